@@ -1,0 +1,2 @@
+//! The `morpho-fit` program.
+fn main() {}

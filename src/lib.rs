@@ -1,0 +1,9 @@
+//! Fits layer thicknesses to the angular reflectivity of structurally coloured surfaces.
+#![cfg_attr(
+    not(test),
+    warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, clippy::print_stderr)
+)]
+
+pub mod geometry;
+pub mod optics;
+pub mod units;

@@ -1,0 +1,128 @@
+//! Forward models: what a structure reflects, by wavelength and geometry.
+//!
+//! A model joins two planes (paper section 2.4, printed with `cos 2 omega`):
+//!
+//! ```text
+//! I = I_A cos²(omega) + I_B sin²(omega)
+//! I_A = factor(a) · cos²(theta) · A² · S²      lamella diffraction, [`lamella`]
+//! I_B = R(wavelength, theta - delta) · L       reflection of the tilted stack, [`multilayer`], spread by the [`lobe`]
+//! ```
+//!
+//! [`BlendModel`] is the paper's structure with its physics put right, [`PaperModel`] the printed formulas. Both are
+//! a [`ReflectivityModel`], whose terms are named [`Contribution`]s. What is left out: scattering between ridges,
+//! roughness, and the finite aperture of source and detector.
+
+mod blend;
+mod error;
+pub mod lamella;
+pub mod lobe;
+mod material;
+pub mod multilayer;
+mod paper;
+mod stack;
+mod structure;
+
+pub use blend::BlendModel;
+pub use error::OpticsError;
+pub use material::{IndexTable, Material};
+pub use paper::{Admittance, LamellaUnit, PaperModel, Snell};
+pub use stack::{MAX_LAYERS, Media, Stack};
+pub use structure::Structure;
+
+use crate::geometry::{Geometry, Polarization};
+use lamella::LamellaNode;
+use multilayer::{Period, SAndP};
+use std::f64::consts::FRAC_PI_2;
+
+/// Name of Model A's contribution.
+pub const LAMELLA: &str = "lamella";
+/// Name of Model B's contribution.
+pub const MULTILAYER: &str = "multilayer";
+
+/// One named term of a model at one reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contribution {
+    /// [`LAMELLA`] or [`MULTILAYER`].
+    pub name: &'static str,
+    /// Its part of the intensity, dimensionless, with its share of the plane in it.
+    pub intensity: f64,
+}
+
+/// A forward model: intensity from structure, geometry and wavelength.
+///
+/// A model says how strong Model A is and what the stack reflects; the rest is common.
+pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
+    /// The word that chooses the model on the command line.
+    fn name(&self) -> &'static str;
+
+    /// The stack's media and layer count.
+    fn stack(&self) -> &Stack;
+
+    /// Factor of Model A beside `cos²(theta) A² S²`, for a lamella `lamella_width` nm wide.
+    fn lamella_factor(&self, lamella_width: f64) -> f64;
+
+    /// Reflectivity of the stack at `angle = theta - delta` (rad) from the normal of its layers.
+    ///
+    /// # Errors
+    /// [`OpticsError`] where the model has no answer.
+    fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError>;
+
+    /// Both contributions at one reading.
+    ///
+    /// - `wavelength` in vacuum, nm; angles in rad, at most pi/2 in size.
+    ///
+    /// # Errors
+    /// [`OpticsError`] for input out of range, or where the model has no answer.
+    fn contributions(
+        &self,
+        structure: &Structure,
+        geometry: &Geometry,
+        polarization: Polarization,
+        wavelength: f64,
+    ) -> Result<[Contribution; 2], OpticsError> {
+        structure.validate()?;
+        let Geometry { theta, phi, omega } = *geometry;
+        for (quantity, angle) in [("theta", theta), ("phi", phi), ("omega", omega)] {
+            let within = angle.abs() <= FRAC_PI_2 * (1.0 + f64::EPSILON);
+            error::require(within, quantity, angle, "rad", "at most pi/2 in size")?;
+        }
+        let media = self.stack().media(wavelength)?;
+        let (share_a, share_b) = geometry.plane_shares();
+        let lamella = if share_a > 0.0 {
+            let node = LamellaNode::new(wavelength, theta, phi);
+            let shape = node.interference(structure.period(), self.stack().layers)
+                * node.diffraction(structure.lamella_width)
+                * node.obliquity;
+            share_a * self.lamella_factor(structure.lamella_width) * shape
+        } else {
+            0.0
+        };
+        let multilayer = if share_b > 0.0 {
+            let period = Period { cuticle: structure.d_cuticle, gap: structure.d_air };
+            let both = self.stack_reflectivity(&media, period, theta - structure.delta)?;
+            let (s, p) = polarization.shares();
+            share_b * (s * both.s + p * both.p) * lobe::lobe(theta, phi, structure.delta, structure.phi_alpha)
+        } else {
+            0.0
+        };
+        Ok([
+            Contribution { name: LAMELLA, intensity: lamella },
+            Contribution { name: MULTILAYER, intensity: multilayer },
+        ])
+    }
+
+    /// The sum of the [`contributions`](Self::contributions): what a measurement of scale 1 would read.
+    ///
+    /// # Errors
+    /// As [`contributions`](Self::contributions).
+    fn reflectivity(
+        &self,
+        structure: &Structure,
+        geometry: &Geometry,
+        polarization: Polarization,
+        wavelength: f64,
+    ) -> Result<f64, OpticsError> {
+        let terms = self.contributions(structure, geometry, polarization, wavelength)?;
+        Ok(terms.iter().map(|term| term.intensity).sum())
+    }
+}

@@ -1,0 +1,99 @@
+//! Model B's stack: reflectivity of `ambient | (cuticle, gap) × layers | base` (paper section 2.3).
+//!
+//! Three forms of the same physics. [`intensity`] is the paper's recurrence as printed, for real indices.
+//! [`periodic`] is the closed form of the periodic stack, for real indices and any number of layers at the same cost.
+//! [`amplitude`] carries the complex fields through any list of layers. [`reflectivity`] picks the cheapest that holds.
+
+pub mod amplitude;
+pub mod intensity;
+pub mod periodic;
+
+use crate::optics::error::{OpticsError, require};
+use crate::optics::stack::Media;
+use amplitude::Layer;
+
+/// One value for each linear polarization.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SAndP {
+    /// Electric field across the plane of incidence.
+    pub s: f64,
+    /// Electric field in the plane of incidence.
+    pub p: f64,
+}
+
+impl SAndP {
+    /// `(s + p) / 2`.
+    #[must_use]
+    pub fn mean(self) -> f64 {
+        0.5 * (self.s + self.p)
+    }
+
+    /// The same value for both.
+    #[must_use]
+    pub fn both(value: f64) -> Self {
+        Self { s: value, p: value }
+    }
+}
+
+/// Thickness of the two layers of a period, nm, at least 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Period {
+    /// Thickness of the cuticle layer, nm.
+    pub cuticle: f64,
+    /// Thickness of the gap, nm.
+    pub gap: f64,
+}
+
+impl Period {
+    pub(crate) fn validate(self) -> Result<(), OpticsError> {
+        require(self.cuticle >= 0.0, "d_cuticle", self.cuticle, "nm", "at least 0")?;
+        require(self.gap >= 0.0, "d_air", self.gap, "nm", "at least 0")
+    }
+}
+
+/// Reflectivity of the stack for light at `angle` (rad) from the normal of the layers, exact for s and p.
+///
+/// The closed form where every wave in the stack travels, the amplitude recurrence where a medium absorbs or a wave is
+/// evanescent. A stack turned past grazing (`|angle| > 90°`) is in its own shadow and reflects 0; at grazing it
+/// reflects 1.
+///
+/// # Errors
+/// [`OpticsError::OutOfRange`] for a thickness below 0, no layers, or a number that is not finite.
+///
+/// ```
+/// use morpho_fit::optics::{Stack, multilayer::{Period, reflectivity}};
+/// let stack = Stack::default();
+/// let r = reflectivity(&stack.media(583.0)?, Period { cuticle: 100.0, gap: 135.0 }, stack.layers, 0.0)?;
+/// assert!((r.s - 0.998597010770).abs() < 1e-11);
+/// # Ok::<(), morpho_fit::optics::OpticsError>(())
+/// ```
+pub fn reflectivity(media: &Media, period: Period, layers: usize, angle: f64) -> Result<SAndP, OpticsError> {
+    period.validate()?;
+    require(true, "angle", angle, "rad", "finite")?;
+    require(layers > 0, "layers", 0.0, "", "at least 1")?;
+    Ok(reflectivity_unchecked(media, period, layers, angle))
+}
+
+/// [`reflectivity`] for inputs that were checked before: the inner loop of a fit.
+#[inline]
+pub(crate) fn reflectivity_unchecked(media: &Media, period: Period, layers: usize, angle: f64) -> SAndP {
+    let cos = angle.cos();
+    if cos <= 0.0 {
+        return SAndP::both(if cos < 0.0 { 0.0 } else { 1.0 });
+    }
+    if media.absorbing().is_none()
+        && let Some(cosines) = periodic::Cosines::refracted(media, angle)
+    {
+        return periodic::exact(media, &cosines, period, layers);
+    }
+    let of = |polarization| {
+        let layers = (0..layers).flat_map(|_| {
+            [
+                Layer { index: media.gap, thickness: period.gap },
+                Layer { index: media.cuticle, thickness: period.cuticle },
+            ]
+        });
+        amplitude::from_base(media.ambient, layers, media.base, media.wavelength, angle, polarization).reflectivity
+    };
+    SAndP { s: of(amplitude::Component::S), p: of(amplitude::Component::P) }
+}

@@ -1,0 +1,129 @@
+//! The `paper` model: the printed formulas, with a switch for each of their faults.
+
+use crate::optics::multilayer::periodic::{self, Admittances, Cosines, Phases};
+use crate::optics::multilayer::{Period, SAndP};
+use crate::optics::{Media, OpticsError, ReflectivityModel, Stack};
+use serde::{Deserialize, Serialize};
+
+/// Which way up Snell's law is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Snell {
+    /// `sin(cuticle) = sin(theta - delta) n_gap / n_cuticle`.
+    #[default]
+    Right,
+    /// As printed, `n_cuticle / n_gap`: no solution beyond 39.87° for 1.56.
+    Printed,
+}
+
+/// How the two polarizations become one reflectivity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Admittance {
+    /// As printed: one admittance, the mean `(n cos + n / cos) / 2`. Good to 20°, with a false zero at 69.4° for 1.56.
+    #[default]
+    Mean,
+    /// One recurrence for each polarization; the mean of the two reflectivities is exact.
+    PerPolarization,
+}
+
+/// What Model A is divided by: as printed it is an area, and drowns the dimensionless Model B.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LamellaUnit {
+    /// Its own peak, `a²/2 N M²`.
+    #[default]
+    Peak,
+    /// The peak of a lamella `width` nm wide: a wider one is brighter by `(a / width)²`.
+    Reference {
+        /// Reference width, nm, above 0.
+        width: f64,
+    },
+    /// Nothing: the printed value in nm² for `ridges` trees.
+    Printed {
+        /// Number of trees N.
+        ridges: f64,
+    },
+}
+
+/// The formulas of paper section 2 as printed.
+///
+/// The stack is evaluated by the closed form, to which the printed recurrence is equal to rounding (it is
+/// [`multilayer::intensity`](crate::optics::multilayer::intensity)) for any admittance.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PaperModel {
+    /// Media and layer count; indices must be real.
+    pub stack: Stack,
+    /// Which way up Snell's law is.
+    pub snell: Snell,
+    /// How the polarizations are joined.
+    pub admittance: Admittance,
+    /// What Model A is divided by.
+    pub lamella_unit: LamellaUnit,
+}
+
+impl PaperModel {
+    fn cosines(&self, media: &Media, angle: f64) -> Result<Cosines, OpticsError> {
+        let model = "paper";
+        if let Some((medium, k)) = media.absorbing() {
+            return Err(OpticsError::Absorbing { model, medium, k });
+        }
+        let sin = angle.sin();
+        match self.snell {
+            Snell::Right => Cosines::refracted(media, angle).ok_or(OpticsError::NoRefractedRay {
+                model,
+                medium: "stack",
+                sine: sin * media.ambient / media.cuticle.re.min(media.gap.re).min(media.base.re),
+            }),
+            Snell::Printed => {
+                // As printed, gaps and base share the angle of the ambient medium.
+                let sine = sin * media.cuticle.re / media.gap.re;
+                let squared = 1.0 - sine * sine;
+                if squared <= 0.0 {
+                    return Err(OpticsError::NoRefractedRay { model, medium: "cuticle", sine });
+                }
+                let cos = angle.cos();
+                Ok(Cosines { ambient: cos, cuticle: squared.sqrt(), gap: cos, base: cos })
+            }
+        }
+    }
+}
+
+impl ReflectivityModel for PaperModel {
+    fn name(&self) -> &'static str {
+        "paper"
+    }
+
+    fn stack(&self) -> &Stack {
+        &self.stack
+    }
+
+    fn lamella_factor(&self, lamella_width: f64) -> f64 {
+        match self.lamella_unit {
+            LamellaUnit::Peak => 1.0,
+            LamellaUnit::Reference { width } => (lamella_width / width).powi(2),
+            LamellaUnit::Printed { ridges } => {
+                #[allow(clippy::cast_precision_loss, reason = "a layer count is small")]
+                let layers = self.stack.layers as f64;
+                0.5 * lamella_width * lamella_width * ridges * layers * layers
+            }
+        }
+    }
+
+    fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
+        let cos = angle.cos();
+        if cos <= 0.0 {
+            return Ok(SAndP::both(if cos < 0.0 { 0.0 } else { 1.0 }));
+        }
+        let cosines = self.cosines(media, angle)?;
+        let layers = self.stack.layers;
+        let phases = Phases::new(media, &cosines, period);
+        let with = |rule: fn(f64, f64) -> f64| {
+            periodic::reflectivity(&Admittances::each(media, &cosines, rule), &phases, layers)
+        };
+        Ok(match self.admittance {
+            Admittance::Mean => SAndP::both(with(|n, cos| 0.5 * (n * cos + n / cos))),
+            Admittance::PerPolarization => SAndP { s: with(|n, cos| n * cos), p: with(|n, cos| cos / n) },
+        })
+    }
+}

@@ -1,0 +1,80 @@
+//! The layer stack of Model B: `ambient | (cuticle, gap) × layers | base`.
+
+use crate::optics::error::{OpticsError, require};
+use crate::optics::material::Material;
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+/// The largest number of layers; beyond it a mistyped count is likelier than a stack.
+pub const MAX_LAYERS: usize = 100_000;
+
+/// Media and layer count of `ambient | (cuticle, gap) × layers | base`, counted from the light.
+///
+/// Where the base is the gap's medium the last gap is a part of the base: its thickness changes nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stack {
+    /// Medium of the incident light; must not absorb.
+    pub ambient: Material,
+    /// Medium of the layers.
+    pub cuticle: Material,
+    /// Medium between the layers.
+    pub gap: Material,
+    /// Medium behind the last gap.
+    pub base: Material,
+    /// Number of cuticle layers M, 1 to [`MAX_LAYERS`].
+    pub layers: usize,
+}
+
+impl Default for Stack {
+    /// Air | 9 × cuticle 1.56 with air gaps | air: Table 1 of the paper.
+    fn default() -> Self {
+        let air = Material::constant(1.0);
+        Self { ambient: air.clone(), cuticle: Material::constant(1.56), gap: air.clone(), base: air, layers: 9 }
+    }
+}
+
+/// The indices of a [`Stack`] at one wavelength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Media {
+    /// Vacuum wavelength, nm.
+    pub wavelength: f64,
+    /// Real index of the incident medium.
+    pub ambient: f64,
+    /// Index of the cuticle.
+    pub cuticle: Complex<f64>,
+    /// Index of the gaps.
+    pub gap: Complex<f64>,
+    /// Index of the base.
+    pub base: Complex<f64>,
+}
+
+impl Media {
+    /// The first absorbing medium and its `k`, if there is one.
+    #[must_use]
+    pub fn absorbing(&self) -> Option<(&'static str, f64)> {
+        [("cuticle", self.cuticle.im), ("gap", self.gap.im), ("base", self.base.im)].into_iter().find(|(_, k)| *k > 0.0)
+    }
+}
+
+impl Stack {
+    /// The indices at `wavelength` nm.
+    ///
+    /// # Errors
+    /// [`OpticsError`] if a material has no valid index there, if the ambient medium absorbs, or if the layer count
+    /// is out of range.
+    pub fn media(&self, wavelength: f64) -> Result<Media, OpticsError> {
+        #[allow(clippy::cast_precision_loss, reason = "a layer count is small")]
+        let layers = self.layers as f64;
+        require((1..=MAX_LAYERS).contains(&self.layers), "layers", layers, "", "1 to 100000")?;
+        let ambient = self.ambient.index("ambient", wavelength)?;
+        require(ambient.im <= 0.0, "extinction coefficient of the ambient", ambient.im, "", "0")?;
+        Ok(Media {
+            wavelength,
+            ambient: ambient.re,
+            cuticle: self.cuticle.index("cuticle", wavelength)?,
+            gap: self.gap.index("gap", wavelength)?,
+            base: self.base.index("base", wavelength)?,
+        })
+    }
+}
