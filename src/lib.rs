@@ -6,4 +6,5 @@
 
 pub mod geometry;
 pub mod optics;
+pub mod optimise;
 pub mod units;

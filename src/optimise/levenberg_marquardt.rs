@@ -1,0 +1,259 @@
+//! Bounded Levenberg–Marquardt as a solver of argmin.
+//!
+//! Trust region in coordinates scaled by the largest norm each Jacobian column has had, so that units do not matter. A
+//! parameter on a bound stays there while the gradient presses it against the bound; a step that would cross a bound
+//! ends on it. Steps onto points whose residuals are not finite are refused.
+//!
+//! # Requirements on the problem
+//! [`argmin::core::Operator`] (residuals) and [`argmin::core::Jacobian`].
+//!
+//! # Source
+//! Moré 1978, DOI 10.1007/BFb0067700 (MINPACK `lmder`): its radius rules and its tests for the end.
+
+use crate::optimise::bounds::Bounds;
+use crate::optimise::termination::Termination;
+use crate::optimise::trust_region::bounded_step;
+use argmin::core::{Error, IterState, Jacobian, KV, Operator, Problem, Solver, State, TerminationReason};
+use nalgebra::{DMatrix, DVector};
+
+/// When a run ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerances {
+    /// Relative fall of the cost, predicted and actual, below which it has converged.
+    pub cost: f64,
+    /// Radius of the trust region relative to the parameters below which the step has converged.
+    pub step: f64,
+    /// Cosine between the residuals and each column of the Jacobian below which the gradient is zero.
+    pub gradient: f64,
+    /// Evaluations of the residuals (those for derivatives apart) after which the run is ended.
+    pub max_evaluations: usize,
+}
+
+impl Default for Tolerances {
+    /// To rounding, within 2000 evaluations.
+    fn default() -> Self {
+        let rounding = 30.0 * f64::EPSILON;
+        Self { cost: rounding, step: rounding, gradient: rounding, max_evaluations: 2000 }
+    }
+}
+
+/// First radius, as a multiple of the scaled start (MINPACK's factor).
+const FIRST_RADIUS: f64 = 100.0;
+/// Share of the predicted fall below which a step is refused.
+const ACCEPT: f64 = 1e-4;
+/// A run that stops short with a cosine above this has not found a minimum.
+const STALLED_COSINE: f64 = 1e-3;
+/// Residuals this small beside those of the start are rounding: their direction means nothing.
+const ROUNDING: f64 = 1e-10;
+
+/// The solver and its memory.
+#[derive(Debug, Clone)]
+pub struct LevenbergMarquardt {
+    bounds: Bounds,
+    tolerances: Tolerances,
+    radius: f64,
+    scaling: DVector<f64>,
+    first_norm: f64,
+    evaluations: usize,
+    termination: Option<Termination>,
+}
+
+type Iterate = IterState<DVector<f64>, (), DMatrix<f64>, (), DVector<f64>, f64>;
+
+impl LevenbergMarquardt {
+    /// A solver for parameters in `bounds`.
+    #[must_use]
+    pub fn new(bounds: Bounds, tolerances: Tolerances) -> Self {
+        let scaling = DVector::zeros(bounds.len());
+        Self { bounds, tolerances, radius: 0.0, scaling, first_norm: 0.0, evaluations: 0, termination: None }
+    }
+
+    /// How the run ended; `None` before its end.
+    #[must_use]
+    pub fn termination(&self) -> Option<Termination> {
+        self.termination
+    }
+
+    /// Residual evaluations so far, those for derivatives apart.
+    #[must_use]
+    pub fn evaluations(&self) -> usize {
+        self.evaluations
+    }
+
+    fn end(&mut self, state: Iterate, termination: Termination) -> Iterate {
+        self.termination = Some(termination);
+        state.terminate_with(if termination.was_successful() {
+            TerminationReason::SolverConverged
+        } else {
+            TerminationReason::SolverExit(termination.phrase().to_owned())
+        })
+    }
+
+    /// Columns that may move: not pressed against a bound by the gradient.
+    fn movable(&self, parameters: &DVector<f64>, gradient: &DVector<f64>) -> Vec<usize> {
+        (0..parameters.len())
+            .filter(|&j| {
+                let pressed_down = parameters[j] <= self.bounds.lower()[j] && gradient[j] > 0.0;
+                let pressed_up = parameters[j] >= self.bounds.upper()[j] && gradient[j] < 0.0;
+                !(pressed_down || pressed_up)
+            })
+            .collect()
+    }
+}
+
+fn half_square(residuals: &DVector<f64>) -> f64 {
+    let cost = 0.5 * residuals.norm_squared();
+    if cost.is_finite() { cost } else { f64::INFINITY }
+}
+
+/// Largest cosine between the residuals and the movable columns.
+fn largest_cosine(jacobian: &DMatrix<f64>, gradient: &DVector<f64>, norm: f64, movable: &[usize]) -> f64 {
+    movable
+        .iter()
+        .map(|&j| {
+            let length = jacobian.column(j).norm();
+            if length > 0.0 { gradient[j].abs() / (length * norm) } else { 0.0 }
+        })
+        .fold(0.0, f64::max)
+}
+
+impl<O> Solver<O, Iterate> for LevenbergMarquardt
+where
+    O: Operator<Param = DVector<f64>, Output = DVector<f64>> + Jacobian<Param = DVector<f64>, Jacobian = DMatrix<f64>>,
+{
+    fn name(&self) -> &'static str {
+        "bounded Levenberg-Marquardt"
+    }
+
+    fn init(&mut self, problem: &mut Problem<O>, mut state: Iterate) -> Result<(Iterate, Option<KV>), Error> {
+        let start = state.take_param().ok_or_else(|| Error::msg("Levenberg-Marquardt needs a start"))?;
+        let start = self.bounds.clamp(&start);
+        let residuals = problem.apply(&start)?;
+        self.evaluations += 1;
+        self.first_norm = residuals.norm();
+        let cost = half_square(&residuals);
+        let (m, n) = (residuals.len(), start.len());
+        let state = state.param(start).residuals(residuals).cost(cost);
+        if m < n {
+            return Ok((self.end(state, Termination::Underdetermined), None));
+        }
+        if cost.is_infinite() {
+            return Ok((self.end(state, Termination::StartNotFinite), None));
+        }
+        Ok((state, None))
+    }
+
+    fn next_iter(&mut self, problem: &mut Problem<O>, mut state: Iterate) -> Result<(Iterate, Option<KV>), Error> {
+        let (Some(parameters), Some(residuals)) = (state.take_param(), state.take_residuals()) else {
+            return Err(Error::msg("Levenberg-Marquardt lost its state"));
+        };
+        let cost = half_square(&residuals);
+        let norm = residuals.norm();
+        let jacobian = problem.jacobian(&parameters)?;
+        let gradient = jacobian.tr_mul(&residuals);
+        let back =
+            |state: Iterate, parameters, residuals, cost| state.param(parameters).residuals(residuals).cost(cost);
+        if !gradient.iter().all(|value| value.is_finite()) {
+            return Ok((self.end(back(state, parameters, residuals, cost), Termination::Stalled), None));
+        }
+        for (scale, column) in self.scaling.iter_mut().zip(jacobian.column_iter()) {
+            *scale = scale.max(column.norm());
+            if *scale <= 0.0 {
+                *scale = 1.0;
+            }
+        }
+        let movable = self.movable(&parameters, &gradient);
+        let cosine = largest_cosine(&jacobian, &gradient, norm, &movable);
+        let ended = if norm <= 0.0 {
+            Some(Termination::ExactFit)
+        } else if movable.is_empty() || cosine <= self.tolerances.gradient {
+            Some(Termination::GradientConverged)
+        } else {
+            None
+        };
+        if let Some(termination) = ended {
+            return Ok((self.end(back(state, parameters, residuals, cost), termination), None));
+        }
+        let scaled_size = parameters.component_mul(&self.scaling).norm();
+        if self.radius <= 0.0 {
+            self.radius = if scaled_size > 0.0 { FIRST_RADIUS * scaled_size } else { FIRST_RADIUS };
+        }
+
+        let pick = |vector: &DVector<f64>| DVector::from_fn(movable.len(), |c, _| vector[movable[c]]);
+        let qr = jacobian.select_columns(&movable).qr();
+        let mut rotated = residuals.clone();
+        qr.q_tr_mul(&mut rotated);
+        let b = rotated.rows(0, movable.len()).into_owned();
+        let r = qr.r();
+        let d = pick(&self.scaling);
+        let lower = pick(&(self.bounds.lower() - &parameters));
+        let upper = pick(&(self.bounds.upper() - &parameters));
+
+        loop {
+            let trial = bounded_step(&r, &b, &d, self.radius, &lower, &upper);
+            let mut moved = parameters.clone();
+            for (c, &j) in movable.iter().enumerate() {
+                // A step that ends on a wall must end on it to the last bit.
+                moved[j] = if trial.step[c] <= lower[c] {
+                    self.bounds.lower()[j]
+                } else if trial.step[c] >= upper[c] {
+                    self.bounds.upper()[j]
+                } else {
+                    (parameters[j] + trial.step[c]).clamp(self.bounds.lower()[j], self.bounds.upper()[j])
+                };
+            }
+            let length = trial.step.component_mul(&d).norm();
+            let predicted = -(&r * &trial.step).dot(&(&b + 0.5 * (&r * &trial.step))) / cost;
+            let new_residuals = problem.apply(&moved)?;
+            self.evaluations += 1;
+            let new_cost = half_square(&new_residuals);
+            let actual = if new_cost.is_finite() { 1.0 - new_cost / cost } else { -1.0 };
+            let ratio = if predicted > 0.0 { actual / predicted } else { -1.0 };
+
+            if ratio <= 0.25 {
+                let shrink = if new_cost.is_finite() && new_cost > cost && ratio > -10.0 {
+                    // minimum of the parabola through the cost here, its slope, and the cost there
+                    let slope = (&r * &trial.step).dot(&b) / cost;
+                    (0.5 * slope / (slope + actual)).clamp(0.1, 0.5)
+                } else if ratio >= 0.0 {
+                    0.5
+                } else {
+                    0.1
+                };
+                self.radius = shrink * self.radius.min(length * 10.0);
+            } else if ratio >= 0.75 || !trial.held_back {
+                self.radius = 2.0 * length;
+            }
+
+            let accepted = ratio >= ACCEPT;
+            let size = if accepted { moved.component_mul(&self.scaling).norm() } else { scaled_size };
+            let tolerances = self.tolerances;
+            let ended = if actual.abs() <= tolerances.cost && predicted <= tolerances.cost && ratio <= 2.0 {
+                Some(Termination::CostConverged)
+            } else if self.radius <= tolerances.step * size {
+                Some(Termination::StepConverged)
+            } else if self.evaluations >= tolerances.max_evaluations {
+                Some(Termination::EvaluationBudget)
+            } else {
+                None
+            };
+            let state_of = |state: Iterate| {
+                if accepted {
+                    back(state, moved.clone(), new_residuals.clone(), new_cost)
+                } else {
+                    back(state, parameters.clone(), residuals.clone(), cost)
+                }
+            };
+            if let Some(mut termination) = ended {
+                let short = termination == Termination::StepConverged && !accepted;
+                if short && cosine > STALLED_COSINE && norm > ROUNDING * self.first_norm {
+                    termination = Termination::Stalled;
+                }
+                return Ok((self.end(state_of(state), termination), None));
+            }
+            if accepted {
+                return Ok((state_of(state), None));
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! One run from one start.
+
+use crate::optimise::levenberg_marquardt::{LevenbergMarquardt, Tolerances};
+use crate::optimise::objective::{ArgminProblem, LeastSquares};
+use crate::optimise::termination::Termination;
+use argmin::core::Executor;
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values of the scaled Jacobian below this share of the largest mark a flat direction. Central differences
+/// carry an error of about 1e-10 of a column, so a smaller threshold would read noise as information.
+const FLAT: f64 = 1e-9;
+
+/// Where a run ended.
+#[derive(Debug, Clone)]
+pub struct Minimum {
+    /// Parameters, inside the bounds.
+    pub parameters: DVector<f64>,
+    /// Residuals there.
+    pub residuals: DVector<f64>,
+    /// Their derivatives there.
+    pub jacobian: DMatrix<f64>,
+    /// Why the run ended.
+    pub termination: Termination,
+    /// Residual evaluations, those for derivatives apart.
+    pub evaluations: usize,
+}
+
+impl Minimum {
+    /// Sum of squared residuals; infinite if one is not finite.
+    #[must_use]
+    pub fn sum_of_squares(&self) -> f64 {
+        let sum = self.residuals.norm_squared();
+        if sum.is_finite() { sum } else { f64::INFINITY }
+    }
+}
+
+/// Runs [`LevenbergMarquardt`] from `start`.
+///
+/// A minimum on a plateau, where some parameter does nothing, is reported as [`Termination::Flat`].
+///
+/// ```
+/// use morpho_fit::optimise::{Bounds, LeastSquares, Tolerances, minimise};
+/// use nalgebra::DVector;
+///
+/// struct Rosenbrock { bounds: Bounds, scales: DVector<f64> }
+/// impl LeastSquares for Rosenbrock {
+///     fn residuals(&self, p: &DVector<f64>) -> DVector<f64> {
+///         DVector::from_vec(vec![10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0]])
+///     }
+///     fn bounds(&self) -> &Bounds { &self.bounds }
+///     fn scales(&self) -> &DVector<f64> { &self.scales }
+/// }
+/// let half = Rosenbrock { bounds: Bounds::new(&[-2.0, -2.0], &[0.5, 2.0])?, scales: DVector::from_element(2, 1.0) };
+/// let found = minimise(&half, &DVector::from_vec(vec![-1.2, 1.0]), Tolerances::default());
+/// assert!(found.termination.was_successful());
+/// assert_eq!(found.parameters[0], 0.5); // on the bound, to the last bit
+/// assert!((found.parameters[1] - 0.25).abs() < 1e-7);
+/// # Ok::<(), morpho_fit::optimise::BoundsError>(())
+/// ```
+pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tolerances: Tolerances) -> Minimum {
+    let solver = LevenbergMarquardt::new(problem.bounds().clone(), tolerances);
+    let run = Executor::new(ArgminProblem(problem), solver)
+        .configure(|state| state.param(start.clone()).max_iters(u64::MAX))
+        .ctrlc(false)
+        .run();
+    let (parameters, termination, evaluations) = match run {
+        Ok(mut result) => {
+            let parameters = result.state.take_param().or_else(|| result.state.take_best_param());
+            let termination = result.solver.termination().unwrap_or(Termination::Stalled);
+            (parameters.unwrap_or_else(|| start.clone()), termination, result.solver.evaluations())
+        }
+        // Neither the problem nor the solver returns an error; if argmin does, the run has not moved.
+        Err(_) => (start.clone(), Termination::Stalled, 0),
+    };
+    let residuals = problem.residuals(&parameters);
+    let jacobian = problem.jacobian(&parameters);
+    let flat = termination.was_successful() && is_flat(problem, &parameters, &residuals, &jacobian);
+    let termination = if flat { Termination::Flat } else { termination };
+    Minimum { parameters, residuals, jacobian, termination, evaluations }
+}
+
+/// Whether some combination of the parameters inside the box does nothing.
+fn is_flat<L: LeastSquares + ?Sized>(
+    problem: &L,
+    parameters: &DVector<f64>,
+    residuals: &DVector<f64>,
+    jacobian: &DMatrix<f64>,
+) -> bool {
+    let gradient = jacobian.tr_mul(residuals);
+    let bounds = problem.bounds();
+    let free: Vec<usize> = (0..parameters.len())
+        .filter(|&j| {
+            let pressed = (parameters[j] <= bounds.lower()[j] && gradient[j] > 0.0)
+                || (parameters[j] >= bounds.upper()[j] && gradient[j] < 0.0);
+            !pressed
+        })
+        .collect();
+    let mut scaled = jacobian.select_columns(&free);
+    for (c, &j) in free.iter().enumerate() {
+        scaled.column_mut(c).scale_mut(problem.scales()[j].max(parameters[j].abs()));
+    }
+    if !scaled.iter().all(|value| value.is_finite()) {
+        return true;
+    }
+    let singular = scaled.singular_values();
+    singular.iter().any(|&value| value <= FLAT * singular.max())
+}

@@ -1,0 +1,43 @@
+//! Many starts: all runs kept, equal minima merged, the best first.
+
+use crate::optimise::levenberg_marquardt::Tolerances;
+use crate::optimise::minimise::{Minimum, minimise};
+use crate::optimise::objective::LeastSquares;
+use nalgebra::DVector;
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
+/// Two runs whose sums of squares agree to this share and whose parameters agree to [`SAME_PLACE`] are one minimum.
+const SAME_COST: f64 = 1e-5;
+/// In units of each parameter's scale.
+const SAME_PLACE: f64 = 1e-3;
+
+/// Runs every start in parallel; result in the order of `starts`, whatever the number of threads.
+///
+/// - `problem`: makes an objective for one run, so that an objective may keep a workspace of its own.
+pub fn multistart<L: LeastSquares>(
+    problem: impl Fn() -> L + Sync,
+    starts: &[DVector<f64>],
+    tolerances: Tolerances,
+) -> Vec<Minimum> {
+    starts.par_iter().map(|start| minimise(&problem(), start, tolerances)).collect()
+}
+
+/// The distinct minima, best first; of equal ones the lowest is kept.
+///
+/// - `scales`: a change of each parameter that matters, `[n]`.
+#[must_use]
+pub fn merge_equal(mut runs: Vec<Minimum>, scales: &DVector<f64>) -> Vec<Minimum> {
+    runs.sort_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()));
+    let mut distinct: Vec<Minimum> = Vec::new();
+    for run in runs {
+        let cost = run.sum_of_squares();
+        let known = distinct.iter().any(|other| {
+            let apart = (&run.parameters - &other.parameters).component_div(scales).amax();
+            apart <= SAME_PLACE && cost - other.sum_of_squares() <= SAME_COST * cost
+        });
+        if !known {
+            distinct.push(run);
+        }
+    }
+    distinct
+}
