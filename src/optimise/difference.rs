@@ -19,10 +19,38 @@ pub fn step(value: f64, scale: f64) -> f64 {
     there - value
 }
 
-/// Jacobian of `function` at `parameters` by central differences of second order.
+/// Derivative of a vector-valued `function` of one number at `value`, by a central difference of second order.
 ///
 /// Next to a bound, and where one side is not finite, a one-sided difference over three points, also of second order,
-/// stands in, so that `function` is never called outside `bounds`.
+/// stands in, so that `function` is never called outside `[lower, upper]`. NaN where neither side is finite.
+#[must_use]
+pub fn derivative(
+    function: impl Fn(f64) -> DVector<f64>,
+    value: f64,
+    scale: f64,
+    (lower, upper): (f64, f64),
+) -> DVector<f64> {
+    let step = step(value, scale);
+    let at = |place: f64| {
+        let inside = (lower..=upper).contains(&place);
+        inside.then(|| function(place)).filter(|values| values.iter().all(|value| value.is_finite()))
+    };
+    let one_sided = |near: DVector<f64>, step: f64| {
+        let here = function(value);
+        match at(value + 2.0 * step) {
+            Some(far) => (near * 4.0 - far - here * 3.0) / (2.0 * step),
+            None => (near - here) / step,
+        }
+    };
+    match (at(value + step), at(value - step)) {
+        (Some(above), Some(below)) => (above - below) / (2.0 * step),
+        (Some(above), None) => one_sided(above, step),
+        (None, Some(below)) => one_sided(below, -step),
+        (None, None) => function(value) * f64::NAN,
+    }
+}
+
+/// Jacobian of `function` at `parameters`, a [`derivative`] a column.
 ///
 /// # Shape
 /// `parameters`, `scales`: `[n]`; `function` returns `[m]`; result `[m, n]`.
@@ -33,30 +61,18 @@ pub fn central_jacobian(
     scales: &DVector<f64>,
     bounds: &Bounds,
 ) -> DMatrix<f64> {
-    let mut columns = Vec::with_capacity(parameters.len());
-    for j in 0..parameters.len() {
-        let step = step(parameters[j], scales[j]);
-        let at = |offset: f64| {
-            let mut moved = parameters.clone();
-            moved[j] += offset;
-            (bounds.lower()[j]..=bounds.upper()[j])
-                .contains(&moved[j])
-                .then(|| function(&moved))
-                .filter(|values| values.iter().all(|value| value.is_finite()))
-        };
-        let one_sided = |near: DVector<f64>, step: f64| {
-            let here = function(parameters);
-            match at(2.0 * step) {
-                Some(far) => (near * 4.0 - far - here * 3.0) / (2.0 * step),
-                None => (near - here) / step,
-            }
-        };
-        columns.push(match (at(step), at(-step)) {
-            (Some(above), Some(below)) => (above - below) / (2.0 * step),
-            (Some(above), None) => one_sided(above, step),
-            (None, Some(below)) => one_sided(below, -step),
-            (None, None) => function(parameters) * f64::NAN,
-        });
+    let columns: Vec<DVector<f64>> = (0..parameters.len())
+        .map(|j| {
+            let along = |value: f64| {
+                let mut moved = parameters.clone();
+                moved[j] = value;
+                function(&moved)
+            };
+            derivative(along, parameters[j], scales[j], (bounds.lower()[j], bounds.upper()[j]))
+        })
+        .collect();
+    if columns.is_empty() {
+        return DMatrix::zeros(function(parameters).len(), 0);
     }
     DMatrix::from_columns(&columns)
 }

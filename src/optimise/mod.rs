@@ -18,7 +18,7 @@ mod termination;
 mod trust_region;
 
 pub use bounds::{Bounds, BoundsError};
-pub use difference::{central_jacobian, step};
+pub use difference::{central_jacobian, derivative, step};
 pub use levenberg_marquardt::{LevenbergMarquardt, Tolerances};
 pub use loss::Loss;
 pub use minimise::{Minimum, minimise};

@@ -1,0 +1,226 @@
+//! Runs one of the fixed speed workloads through the public API, so that anyone can time it beside another program.
+//!
+//! ```sh
+//! MORPHO_WORKLOAD=w2.json MORPHO_VARIANT=mixed cargo run --release --example workload -- w2
+//! ```
+//!
+//! The environment names the definition file (data files stand beside it), the variant, and `MORPHO_OUT` for arrays. One
+//! JSON line is printed, with the seconds of the work alone.
+
+use morpho_fit::dataset::{Dataset, Reading};
+use morpho_fit::geometry::{Geometry, Polarization};
+use morpho_fit::inversion::{
+    Extent, FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
+};
+use morpho_fit::optics::multilayer::{Period, reflectivity};
+use morpho_fit::optics::{Admittance, LamellaUnit, Material, Snell, Stack, Structure};
+use morpho_fit::units::radians;
+use serde_json::{Value, json};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+fn main() -> Result<()> {
+    let name = std::env::args().nth(1).ok_or("which workload? w1, w2, w3, w3b or w5")?;
+    let definition = PathBuf::from(std::env::var("MORPHO_WORKLOAD")?);
+    let variant = std::env::var("MORPHO_VARIANT").unwrap_or_default();
+    let workload: Value = serde_json::from_str(&std::fs::read_to_string(&definition)?)?;
+    let folder = definition.parent().unwrap_or(Path::new("."));
+    let line = match name.as_str() {
+        "w1" => stack_samples(&workload, &variant)?,
+        "w2" => one_fit(&workload, folder, &variant)?,
+        "w3" | "w3b" => global_fits(&workload, folder, name == "w3b")?,
+        "w5" => pixels(&workload, folder, &variant)?,
+        other => return Err(format!("this program has no workload {other} yet").into()),
+    };
+    println!("{line}");
+    Ok(())
+}
+
+fn numbers(value: &Value) -> Result<Vec<f64>> {
+    value
+        .as_array()
+        .ok_or("not a list")?
+        .iter()
+        .map(|item| item.as_f64().ok_or_else(|| "not a number".into()))
+        .collect()
+}
+
+fn number(value: &Value) -> Result<f64> {
+    value.as_f64().ok_or_else(|| "not a number".into())
+}
+
+/// Columns of a CSV file with one heading line.
+fn columns(path: &Path) -> Result<Vec<Vec<f64>>> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path)?;
+    let mut columns = vec![Vec::new(); reader.headers()?.len()];
+    for record in reader.records() {
+        for (column, cell) in columns.iter_mut().zip(&record?) {
+            column.push(cell.parse()?);
+        }
+    }
+    Ok(columns)
+}
+
+/// The workload model, and its settings for a fit within the workload's bounds.
+fn settings(workload: &Value, scale: Extent) -> Result<FitSettings> {
+    let model = ModelChoice::Paper {
+        snell: Snell::Right,
+        admittance: Admittance::Mean,
+        lamella_unit: LamellaUnit::Reference { width: number(&workload["fixed"]["a_ref_nm"])? },
+    };
+    let (lower, upper) = (numbers(&workload["bounds"]["lower"])?, numbers(&workload["bounds"]["upper"])?);
+    let roles = Parameter::ALL.map(|parameter| Role::Free {
+        lower: parameter.inside(lower[parameter.index()]),
+        upper: parameter.inside(upper[parameter.index()]),
+    });
+    let nuisances = Nuisances { scale, weight: Weight::Fixed(1.0), background: Extent::None };
+    Ok(FitSettings { model, roles, nuisances, ..FitSettings::default() })
+}
+
+fn start_at(settings: &FitSettings, start: &[f64]) -> FitSettings {
+    let start = Parameter::ALL.map(|parameter| Some(parameter.inside(start[parameter.index()])));
+    FitSettings { start, search: Search::Local, ..settings.clone() }
+}
+
+fn dataset(workload: &Value, intensities: &[f64], sigma: f64) -> Result<Dataset> {
+    let theta = radians(number(&workload["theta_deg"])?);
+    let mut readings = Vec::with_capacity(intensities.len());
+    for omega in numbers(&workload["omega_deg"])? {
+        for &wavelength in &numbers(&workload["lambda_nm"])? {
+            for phi in numbers(&workload["phi_deg"])? {
+                readings.push(Reading {
+                    wavelength,
+                    geometry: Geometry { theta, phi: radians(phi), omega: radians(omega) },
+                    polarization: Polarization::Unpolarized,
+                    intensity: intensities[readings.len()],
+                    sigma: Some(sigma),
+                    curve: 0,
+                    line: 0,
+                });
+            }
+        }
+    }
+    Ok(Dataset::from_readings(readings, vec!["data".to_owned()])?)
+}
+
+/// The five values in the workload's units (delta in degrees).
+fn values(outcome: &FitOutcome) -> Vec<f64> {
+    outcome.parameters.each().iter().map(|(_, e)| e.value.or(e.held_at).unwrap_or(f64::NAN)).collect()
+}
+
+fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
+    let (kind, small) = variant.strip_suffix("_small").map_or((variant, false), |kind| (kind, true));
+    let n = |key: &str| number(&workload[key]);
+    let range = |key: &str| -> Result<Vec<f64>> {
+        let at = |end: &str| number(&workload[key][end]);
+        let (start, stop, step) = (at("start")?, at("stop")?, at("step")?);
+        let mut values = vec![start];
+        while values[values.len() - 1] + step <= stop {
+            values.push(values[values.len() - 1] + step);
+        }
+        Ok(values)
+    };
+    let (mut wavelengths, mut thetas) = (range("lambda_nm")?, range("theta_deg")?);
+    if small {
+        wavelengths = wavelengths.into_iter().step_by(10).collect();
+        thetas.truncate(1);
+    }
+    let stack = Stack {
+        ambient: Material::constant(n("n_air")?),
+        cuticle: Material::constant(n("n_cuticle")?),
+        gap: Material::constant(n("n_air")?),
+        base: Material::constant(number(&workload["variants"][kind])?),
+        layers: serde_json::from_value(workload["periods"].clone())?,
+    };
+    let period = Period { cuticle: n("d_cuticle_nm")?, gap: n("d_air_nm")? };
+    let clock = Instant::now();
+    let mut values = Vec::with_capacity(wavelengths.len() * thetas.len());
+    for &wavelength in &wavelengths {
+        let media = stack.media(wavelength)?;
+        for &theta in &thetas {
+            values.push(reflectivity(&media, period, stack.layers, radians(theta))?.mean());
+        }
+    }
+    let seconds = clock.elapsed().as_secs_f64();
+    if let Ok(path) = std::env::var("MORPHO_OUT") {
+        std::fs::write(path, values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
+    }
+    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "samples": values.len() }))
+}
+
+fn one_fit(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {
+    let table = columns(&folder.join("w2_data.csv"))?;
+    let data = dataset(workload, &table[4], number(&workload["sigma"])?)?;
+    let settings = start_at(&settings(workload, Extent::None)?, &numbers(&workload["starts"][variant])?);
+    let clock = Instant::now();
+    let found = fit(&data, &settings, &|_| {})?.outcome;
+    let seconds = clock.elapsed().as_secs_f64();
+    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "x": values(&found), "chi2": found.chi2 }))
+}
+
+fn global_fits(workload: &Value, folder: &Path, scaled: bool) -> Result<Value> {
+    let table = columns(&folder.join(if scaled { "w3b_data.csv" } else { "w3_data.csv" }))?;
+    let settings = settings(workload, if scaled { Extent::Shared } else { Extent::None })?;
+    let cases = workload["cases"].as_array().ok_or("no cases")?;
+    let mut found = Vec::new();
+    let mut seconds = 0.0;
+    for (case, intensities) in cases.iter().zip(&table) {
+        let data = dataset(workload, intensities, number(&case["sigma"])?)?;
+        let clock = Instant::now();
+        let outcome = fit(&data, &settings, &|_| {})?.outcome;
+        seconds += clock.elapsed().as_secs_f64();
+        found.push((values(&outcome), outcome.chi2, number(&case["chi2_truth"])?));
+    }
+    let successes = found.iter().filter(|(_, chi2, truth)| *chi2 <= 1.05 * truth).count();
+    let x: Vec<&Vec<f64>> = found.iter().map(|(x, ..)| x).collect();
+    let chi2: Vec<f64> = found.iter().map(|(_, chi2, _)| *chi2).collect();
+    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "x": x, "chi2": chi2, "successes": successes }))
+}
+
+fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {
+    let truths = columns(&folder.join("w5_truths.csv"))?;
+    let noise: Vec<f64> = std::fs::read_to_string(folder.join("noise.csv"))?
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(str::parse)
+        .collect::<std::result::Result<_, _>>()?;
+    let settings = settings(workload, Extent::None)?;
+    let model = settings.model.build(settings.stack.clone());
+    let local = start_at(&settings, &numbers(&workload["start_all"])?);
+    let count = variant.parse::<usize>().unwrap_or(1000).min(truths[0].len());
+    let blank = dataset(workload, &vec![0.0; noise.len()], 1.0)?;
+    let mut sets = Vec::with_capacity(count);
+    for pixel in 0..count {
+        let structure = Structure {
+            d_air: truths[0][pixel],
+            d_cuticle: truths[1][pixel],
+            delta: radians(truths[2][pixel]),
+            phi_alpha: truths[3][pixel],
+            lamella_width: truths[4][pixel],
+        };
+        let clean: Vec<f64> = blank
+            .readings()
+            .iter()
+            .map(|reading| model.reflectivity(&structure, &reading.geometry, reading.polarization, reading.wavelength))
+            .collect::<std::result::Result<_, _>>()?;
+        let sigma = 0.01 * clean.iter().copied().fold(0.0, f64::max);
+        let noisy = clean.iter().enumerate().map(|(j, value)| value + sigma * noise[(j + 37 * pixel) % noise.len()]);
+        sets.push(dataset(workload, &noisy.collect::<Vec<f64>>(), sigma)?);
+    }
+    let clock = Instant::now();
+    let found: Vec<FitOutcome> = sets
+        .iter()
+        .map(|data| fit(data, &local, &|_| {}).map(|fit| fit.outcome))
+        .collect::<std::result::Result<_, _>>()?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let x: Vec<Vec<f64>> = found.iter().map(values).collect();
+    let right = x.iter().enumerate().filter(|(pixel, x)| {
+        let within = |j: usize| (x[j] - truths[j][*pixel]).abs() <= 0.05 * truths[j][*pixel].abs().max(1.0);
+        (0..5).all(within)
+    });
+    let chi2_max = found.iter().map(|outcome| outcome.chi2 / outcome.dof as f64).fold(0.0, f64::max);
+    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "right": right.count(), "largest_reduced_chi2": chi2_max }))
+}

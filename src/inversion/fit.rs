@@ -1,0 +1,223 @@
+//! The fit: search, robust reweighting, what is determined, and the result.
+
+use crate::dataset::Dataset;
+use crate::inversion::nuisance::LinearPart;
+use crate::inversion::outcome::Fit;
+use crate::inversion::parameter::{COUNT, Parameter, Role};
+use crate::inversion::plan::Plan;
+use crate::inversion::problem::Problem;
+use crate::inversion::search::{self, FINE, Space};
+use crate::inversion::settings::{FitSettings, SettingsError};
+use crate::inversion::summary::{Found, summarise};
+use crate::optics::OpticsError;
+use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
+use crate::uncertainty::identifiability::Identifiability;
+use nalgebra::DVector;
+
+/// A fit that could not begin.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// The choices cannot be fitted.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The model has no value for the data.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    /// Bounds without room.
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    /// Too little data.
+    #[error("{readings} readings cannot determine {unknowns} unknowns (free parameters, scale, weight, background)")]
+    TooFewReadings {
+        /// Readings in the data.
+        readings: usize,
+        /// Unknowns of the fit.
+        unknowns: usize,
+    },
+    /// The model has a finite value nowhere in the bounds.
+    #[error("the `{model}` model has no finite value at any start within the bounds")]
+    NowhereFinite {
+        /// Name of the model.
+        model: &'static str,
+    },
+}
+
+/// Readings that the global stage looks at; more would cost time and not change the ranking of minima.
+const THINNED: usize = 400;
+/// Reweightings of a robust fit.
+const REWEIGHTINGS: usize = 30;
+/// A reweighting that changes the robust cost by less than this share is the last.
+const SETTLED: f64 = 1e-9;
+
+/// Fits `data`.
+///
+/// The same data, settings and version give the same result to the last bit, whatever the number of threads.
+///
+/// - `progress` is told what is being done, for a user who waits.
+///
+/// # Errors
+/// [`FitError`] if the fit cannot begin. How it ended is in the outcome.
+///
+/// ```
+/// use morpho_fit::inversion::{FitSettings, fit};
+/// use morpho_fit::optics::{BlendModel, Structure};
+/// use morpho_fit::synthetic::{Scan, simulate};
+///
+/// let model = BlendModel::default();
+/// let data = simulate(&model, &Structure::blue(), &Scan::full_design(), 1.0, 0.01, 7)?;
+/// let found = fit(&data, &FitSettings::default(), &|_| {})?;
+/// let d_air = &found.outcome.parameters.d_air;
+/// assert!((d_air.value.unwrap() - 141.0).abs() < 4.0 * d_air.sigma.unwrap());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sync)) -> Result<Fit, FitError> {
+    settings.validate()?;
+    let model = settings.model.build(settings.stack.clone());
+    let plan = Plan::new(data, model.as_ref())?;
+    let thin = Plan::thinned(data, model.as_ref(), THINNED)?;
+    let linear = LinearPart::new(&settings.nuisances, &plan);
+    let space = Space::new(&settings.roles)?;
+    let unknowns = space.freedom.free.len() + linear.columns.len();
+    if plan.len() <= unknowns {
+        return Err(FitError::TooFewReadings { readings: plan.len(), unknowns });
+    }
+    let mut minima = search::minima(settings, &space, &thin, &plan, progress);
+    let robust = if settings.loss == Loss::Linear {
+        Vec::new()
+    } else {
+        progress("reweighting outliers");
+        reweight(settings.loss, &plan, &linear, &space, &mut minima, data.has_sigma())
+    };
+    minima.retain(|minimum| minimum.sum_of_squares().is_finite());
+    if minima.is_empty() {
+        return Err(FitError::NowhereFinite { model: model.name() });
+    }
+    progress("asking what the data determine");
+    let (held, final_space, best) = hold_undetermined(settings, &plan, &linear, &robust, &space, &minima[0], data)?;
+    Ok(summarise(&Found {
+        data,
+        settings,
+        model: model.as_ref(),
+        plan: &plan,
+        linear: &linear,
+        robust: &robust,
+        searched: &space,
+        space: &final_space,
+        best: &best,
+        minima: &minima,
+        held: &held,
+    }))
+}
+
+/// Square roots of the robust weights at the best minimum; `minima` are brought to the robust cost and sorted by it.
+fn reweight(
+    loss: Loss,
+    plan: &Plan<'_>,
+    linear: &LinearPart,
+    space: &Space,
+    minima: &mut [Minimum],
+    has_sigma: bool,
+) -> Vec<f64> {
+    let plain = |robust: &[f64], free: &DVector<f64>| {
+        let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
+        let mut residuals = problem.residuals(free);
+        for (residual, root) in residuals.iter_mut().zip(robust) {
+            *residual /= root;
+        }
+        residuals
+    };
+    let scale = |residuals: &DVector<f64>| if has_sigma { 1.0 } else { median_deviation(residuals) };
+    let unit = vec![1.0; plan.len()];
+    let common = minima.first().map_or(1.0, |best| scale(&plain(&unit, &best.parameters)));
+    let cost = |residuals: &DVector<f64>| residuals.iter().map(|r| loss.rho(r / common)).sum::<f64>();
+    let mut ranked: Vec<(f64, Vec<f64>, Minimum)> = minima
+        .iter()
+        .map(|minimum| {
+            let mut minimum = minimum.clone();
+            let mut weights = unit.clone();
+            let mut residuals = plain(&unit, &minimum.parameters);
+            let mut last = cost(&residuals);
+            for _ in 0..REWEIGHTINGS {
+                weights = residuals.iter().map(|r| loss.weight(r / common).sqrt()).collect();
+                let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, &weights);
+                minimum = minimise(&problem, &minimum.parameters, FINE);
+                residuals = plain(&weights, &minimum.parameters);
+                let now = cost(&residuals);
+                if !(last - now > SETTLED * last) {
+                    break;
+                }
+                last = now;
+            }
+            (cost(&residuals), weights, minimum)
+        })
+        .collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (place, (_, _, minimum)) in minima.iter_mut().zip(&ranked) {
+        *place = minimum.clone();
+    }
+    ranked.into_iter().next().map(|(_, weights, _)| weights).unwrap_or_default()
+}
+
+/// Median absolute residual times 1.4826: the standard deviation of a normal sample, whatever its outliers.
+fn median_deviation(residuals: &DVector<f64>) -> f64 {
+    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let median = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0);
+    if median > 0.0 { 1.4826 * median } else { 1.0 }
+}
+
+/// A direction that the data do not determine, among the parameters that were searched.
+#[derive(Debug, Clone)]
+pub(crate) struct Held {
+    /// All parameters of the direction, the strongest first, with the step along it in inside units.
+    pub(crate) direction: Vec<(Parameter, f64)>,
+    /// Standard deviation along it in units of the ranges; infinite if nothing depends on it.
+    pub(crate) deviation: f64,
+}
+
+/// Standard deviation of a weighted residual: 1 where the data state sigma, the scatter where they do not.
+pub(crate) fn unit_of_residuals(data: &Dataset, sum_of_squares: f64, dof: usize) -> f64 {
+    if data.has_sigma() || dof == 0 {
+        return 1.0;
+    }
+    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+    let scatter = (sum_of_squares / dof as f64).sqrt();
+    if scatter > 0.0 { scatter } else { f64::MIN_POSITIVE.sqrt() }
+}
+
+/// Takes out one parameter for each direction that the data do not determine, and fits the others again.
+fn hold_undetermined(
+    settings: &FitSettings,
+    plan: &Plan<'_>,
+    linear: &LinearPart,
+    robust: &[f64],
+    searched: &Space,
+    best: &Minimum,
+    data: &Dataset,
+) -> Result<(Vec<Held>, Space, Minimum), FitError> {
+    let mut roles: [Role; COUNT] = settings.roles;
+    let mut space = Space::new(&roles)?;
+    let mut best = best.clone();
+    let mut held: Vec<Held> = Vec::new();
+    for _ in 0..searched.freedom.free.len() {
+        let free = &space.freedom.free;
+        let dof = plan.len().saturating_sub(free.len() + linear.columns.len());
+        let unit = unit_of_residuals(data, best.sum_of_squares(), dof);
+        let found = Identifiability::new(&(&best.jacobian / unit), &space.ranges);
+        let Some(worst) = found.undetermined().last() else { break };
+        let step = |&j: &usize| (free[j], worst.components[j] * space.ranges[j]);
+        let direction: Vec<(Parameter, f64)> = worst.parts().iter().map(step).collect();
+        let Some(&(parameter, _)) = direction.first() else { break };
+        let structural = worst.deviation * 1e-8 >= found.directions[0].deviation;
+        let deviation = if structural { f64::INFINITY } else { worst.deviation };
+        let values = space.freedom.expand(&best.parameters);
+        let value = values[parameter.index()];
+        held.push(Held { direction, deviation });
+        roles[parameter.index()] = Role::Fixed { value };
+        space = Space::new(&roles)?;
+        let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
+        best = minimise(&problem, &space.freedom.restrict(&values), FINE);
+    }
+    Ok((held, space, best))
+}

@@ -1,0 +1,262 @@
+//! The linear nuisances of a fit, scale, weight of A against B, and background, eliminated at each point.
+//!
+//! ```text
+//! intensity = scale · (weight · I_A cos² omega + I_B sin² omega) + background
+//! ```
+//!
+//! For given structure it is linear in `scale · weight`, `scale` and `background`, all of which are at least 0: the fit
+//! finds the best of them by linear least squares (variable projection) and searches the structure alone.
+//!
+//! # Source
+//! Golub and Pereyra 1973, DOI 10.1137/0710036; derivatives in the form of Kaufman 1975, DOI 10.1007/BF01932995, whose
+//! normal matrix is the exact Schur complement of the full problem's.
+
+use crate::inversion::plan::{Plan, PlannedReading, Terms};
+use crate::numerics::nonnegative;
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// Whether a linear nuisance is fitted, and how many of it there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Extent {
+    /// Not fitted.
+    None,
+    /// One for all curves.
+    Shared,
+    /// One for each curve.
+    PerCurve,
+}
+
+/// Strength of Model A beside Model B.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Weight {
+    /// Fitted where both planes are in the data (for each curve, if the scale is), else 1.
+    Fitted,
+    /// Known.
+    Fixed(f64),
+}
+
+/// Which linear nuisances are fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Nuisances {
+    /// Factor on the whole intensity; 1 where it is not fitted.
+    pub scale: Extent,
+    /// Strength of Model A beside Model B.
+    pub weight: Weight,
+    /// What is read where nothing is reflected; 0 where it is not fitted.
+    pub background: Extent,
+}
+
+impl Default for Nuisances {
+    fn default() -> Self {
+        Self { scale: Extent::Shared, weight: Weight::Fitted, background: Extent::None }
+    }
+}
+
+/// What the coefficient of a linear column multiplies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Multiplies {
+    /// Model A alone: the coefficient is scale · weight.
+    Lamella,
+    /// Model B alone: the coefficient is the scale.
+    Multilayer,
+    /// Both: the coefficient is the scale.
+    Both,
+    /// 1: the coefficient is the background.
+    One,
+}
+
+/// One linear column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Column {
+    pub(crate) multiplies: Multiplies,
+    /// The curve it belongs to; `None` if all share it.
+    pub(crate) curve: Option<usize>,
+}
+
+/// Where a part of a reading goes: to a linear column or to the known part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Target {
+    Known,
+    Column(usize),
+}
+
+/// The linear part of a fit, compiled for a plan.
+#[derive(Debug, Clone)]
+pub(crate) struct LinearPart {
+    pub(crate) columns: Vec<Column>,
+    /// Target of A, of B and of the background, for each curve.
+    targets: Vec<(Target, Target, Option<usize>)>,
+    /// Known factor on A.
+    weight: f64,
+}
+
+/// Sums over readings from which the best coefficients follow.
+#[derive(Debug, Clone)]
+pub(crate) struct NormalEquations {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
+}
+
+impl LinearPart {
+    pub(crate) fn new(nuisances: &Nuisances, plan: &Plan<'_>) -> Self {
+        let both = plan.has_lamella() && plan.has_multilayer();
+        let (weight, weight_is_fitted) = match nuisances.weight {
+            Weight::Fixed(weight) => (weight, false),
+            Weight::Fitted => (1.0, both),
+        };
+        let mut seen = vec![(false, false); plan.curves];
+        for reading in &plan.readings {
+            seen[reading.curve].0 |= reading.share_a > 0.0;
+            seen[reading.curve].1 |= reading.share_b > 0.0;
+        }
+        let mut columns: Vec<Column> = Vec::new();
+        let mut column = |multiplies, curve| {
+            let wanted = Column { multiplies, curve };
+            columns.iter().position(|known| *known == wanted).unwrap_or_else(|| {
+                columns.push(wanted);
+                columns.len() - 1
+            })
+        };
+        let targets = seen
+            .iter()
+            .enumerate()
+            .map(|(curve, &(sees_a, sees_b))| {
+                let of = |extent| if extent == Extent::PerCurve { Some(curve) } else { None };
+                let owner = of(nuisances.scale);
+                let scaled = nuisances.scale != Extent::None;
+                let mut a = Target::Known;
+                let mut b = Target::Known;
+                if weight_is_fitted {
+                    if sees_a {
+                        a = Target::Column(column(Multiplies::Lamella, owner));
+                    }
+                    if sees_b && scaled {
+                        b = Target::Column(column(Multiplies::Multilayer, owner));
+                    }
+                } else if scaled && (sees_a || sees_b) {
+                    a = Target::Column(column(Multiplies::Both, owner));
+                    b = a;
+                }
+                let background = nuisances.background != Extent::None;
+                let background = background.then(|| column(Multiplies::One, of(nuisances.background)));
+                (a, b, background)
+            })
+            .collect();
+        Self { columns, targets, weight }
+    }
+
+    /// The known part of a reading, and its value in up to three columns.
+    #[inline]
+    fn split(&self, curve: usize, (a, b): (f64, f64)) -> (f64, [(usize, f64); 3], usize) {
+        let (target_a, target_b, background) = self.targets[curve];
+        let a = self.weight * a;
+        let mut known = 0.0;
+        let mut entries = [(0, 0.0); 3];
+        let mut count = 0;
+        match (target_a, target_b) {
+            (Target::Column(i), Target::Column(j)) if i == j => {
+                entries[0] = (i, a + b);
+                count = 1;
+            }
+            _ => {
+                for (target, value) in [(target_a, a), (target_b, b)] {
+                    match target {
+                        Target::Known => known += value,
+                        Target::Column(i) => {
+                            entries[count] = (i, value);
+                            count += 1;
+                        }
+                    }
+                }
+            }
+        }
+        if let Some(i) = background {
+            entries[count] = (i, 1.0);
+            count += 1;
+        }
+        (known, entries, count)
+    }
+
+    /// Sums over all readings; `extra` are the square roots of further weights, empty for none.
+    pub(crate) fn normal_equations(&self, plan: &Plan<'_>, terms: &Terms, extra: &[f64]) -> NormalEquations {
+        let q = self.columns.len();
+        let mut sums = NormalEquations { gram: DMatrix::zeros(q, q), right: DVector::zeros(q), square: 0.0 };
+        for (row, reading) in plan.readings.iter().enumerate() {
+            let weight = reading.weight * extra.get(row).copied().unwrap_or(1.0);
+            let square = weight * weight;
+            let (known, entries, count) = self.split(reading.curve, plan.parts(reading, terms));
+            let target = reading.intensity - known;
+            sums.square += square * target * target;
+            for (at, &(i, value)) in entries[..count].iter().enumerate() {
+                sums.right[i] += square * value * target;
+                for &(j, other) in &entries[..=at] {
+                    // lower triangle, whichever way round the columns come
+                    sums.gram[(i.max(j), i.min(j))] += square * value * other;
+                }
+            }
+        }
+        sums.gram.fill_upper_triangle_with_lower_triangle();
+        sums
+    }
+
+    /// The model's value of a reading for `coefficients`.
+    #[inline]
+    pub(crate) fn value(&self, curve: usize, parts: (f64, f64), coefficients: &DVector<f64>) -> f64 {
+        let (known, entries, count) = self.split(curve, parts);
+        known + entries[..count].iter().map(|&(i, value)| coefficients[i] * value).sum::<f64>()
+    }
+
+    /// Factors on A and on B of a reading's curve, and its background.
+    #[inline]
+    pub(crate) fn factors(&self, curve: usize, coefficients: &DVector<f64>) -> (f64, f64, f64) {
+        let (a, b, background) = self.targets[curve];
+        let of = |target| match target {
+            Target::Known => 1.0,
+            Target::Column(i) => coefficients[i],
+        };
+        (self.weight * of(a), of(b), background.map_or(0.0, |i| coefficients[i]))
+    }
+
+    /// Columns whose coefficient is above 0, weighted, for a reading: the part of the model that a projection removes.
+    pub(crate) fn design(
+        &self,
+        plan: &Plan<'_>,
+        terms: &Terms,
+        weight: impl Fn(usize, &PlannedReading) -> f64,
+        coefficients: &DVector<f64>,
+    ) -> DMatrix<f64> {
+        let active: Vec<usize> = (0..self.columns.len()).filter(|&i| coefficients[i] > 0.0).collect();
+        let mut place = vec![usize::MAX; self.columns.len()];
+        for (c, &i) in active.iter().enumerate() {
+            place[i] = c;
+        }
+        let mut design = DMatrix::zeros(plan.len(), active.len());
+        for (row, reading) in plan.readings.iter().enumerate() {
+            let (_, entries, count) = self.split(reading.curve, plan.parts(reading, terms));
+            for &(i, value) in &entries[..count] {
+                if place[i] != usize::MAX {
+                    design[(row, place[i])] = weight(row, reading) * value;
+                }
+            }
+        }
+        design
+    }
+}
+
+impl NormalEquations {
+    /// The best non-negative coefficients.
+    pub(crate) fn solve(&self) -> DVector<f64> {
+        nonnegative::solve(&self.gram, &self.right)
+    }
+
+    /// Weighted sum of squares at `coefficients`, to rounding of the data's own sum of squares; infinite if not finite.
+    pub(crate) fn sum_of_squares(&self, coefficients: &DVector<f64>) -> f64 {
+        let sum = self.square - 2.0 * self.right.dot(coefficients) + (&self.gram * coefficients).dot(coefficients);
+        if sum.is_finite() { sum.max(0.0) } else { f64::INFINITY }
+    }
+}

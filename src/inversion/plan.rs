@@ -1,0 +1,217 @@
+//! A data set compiled for one model, once, so that a fit computes nothing twice.
+//!
+//! ```text
+//! unique (wavelength, theta, polarization)   reflectivity of the stack
+//! unique (wavelength, theta, phi)            array and slit factor of the lamellae
+//! unique (theta, phi)                        lobe
+//! ```
+//!
+//! Each reading is then three indices and two shares. [`Terms`] holds the values at the unique points for one structure;
+//! changing one parameter renews only the terms it enters.
+
+use crate::dataset::Dataset;
+use crate::inversion::parameter::COUNT;
+use crate::optics::lamella::LamellaNode;
+use crate::optics::multilayer::Period;
+use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
+use std::collections::HashMap;
+
+/// One reading as indices into the unique points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlannedReading {
+    pub(crate) lamella: usize,
+    pub(crate) stack: usize,
+    pub(crate) lobe: usize,
+    /// `cos²(omega)`.
+    pub(crate) share_a: f64,
+    /// `sin²(omega)`.
+    pub(crate) share_b: f64,
+    pub(crate) intensity: f64,
+    /// `1 / sigma`, or 1 where the data have none.
+    pub(crate) weight: f64,
+    pub(crate) curve: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct StackNode {
+    media: Media,
+    theta: f64,
+    shares: (f64, f64),
+}
+
+/// A data set compiled for one model.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    model: &'a dyn ReflectivityModel,
+    stack: Vec<StackNode>,
+    lamella: Vec<LamellaNode>,
+    lobe: Vec<(f64, f64)>,
+    pub(crate) readings: Vec<PlannedReading>,
+    pub(crate) curves: usize,
+}
+
+/// Values at the unique points of a plan.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Terms {
+    /// `A²` by lamella node.
+    pub(crate) interference: Vec<f64>,
+    /// `factor(a) · S² · cos²(theta)` by lamella node.
+    pub(crate) diffraction: Vec<f64>,
+    /// R of the reading's polarization by stack node.
+    pub(crate) stack: Vec<f64>,
+    /// L by lobe node.
+    pub(crate) lobe: Vec<f64>,
+}
+
+impl<'a> Plan<'a> {
+    /// Compiles `data` for `model`.
+    ///
+    /// # Errors
+    /// [`OpticsError`] if a medium has no valid index at a wavelength of the data, or the model cannot hold the media.
+    pub fn new(data: &Dataset, model: &'a dyn ReflectivityModel) -> Result<Self, OpticsError> {
+        let all: Vec<usize> = (0..data.readings().len()).collect();
+        Self::of_rows(data, model, &all)
+    }
+
+    /// [`Plan::new`] for about `limit` readings, taken evenly from each curve.
+    pub(crate) fn thinned(data: &Dataset, model: &'a dyn ReflectivityModel, limit: usize) -> Result<Self, OpticsError> {
+        let stride = data.readings().len().div_ceil(limit.max(1)).max(1);
+        // A stride that divides the length of a scan would take the same angles from each: keep it odd.
+        let stride = if stride > 1 && stride.is_multiple_of(2) { stride + 1 } else { stride };
+        let rows: Vec<usize> = (0..data.readings().len()).step_by(stride).collect();
+        Self::of_rows(data, model, &rows)
+    }
+
+    fn of_rows(data: &Dataset, model: &'a dyn ReflectivityModel, rows: &[usize]) -> Result<Self, OpticsError> {
+        let mut plan = Self {
+            model,
+            stack: Vec::new(),
+            lamella: Vec::new(),
+            lobe: Vec::new(),
+            readings: Vec::with_capacity(rows.len()),
+            curves: data.curves().len(),
+        };
+        let mut stack_index = HashMap::new();
+        let mut lamella_index = HashMap::new();
+        let mut lobe_index = HashMap::new();
+        for reading in rows.iter().map(|&row| &data.readings()[row]) {
+            let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
+            let (share_a, share_b) = reading.geometry.plane_shares();
+            let wavelength = reading.wavelength;
+            let mut planned = PlannedReading {
+                lamella: 0,
+                stack: 0,
+                lobe: 0,
+                share_a,
+                share_b,
+                intensity: reading.intensity,
+                weight: reading.sigma.map_or(1.0, f64::recip),
+                curve: reading.curve,
+            };
+            if share_a > 0.0 {
+                let key = (wavelength.to_bits(), theta.to_bits(), phi.to_bits());
+                planned.lamella = *lamella_index.entry(key).or_insert_with(|| {
+                    plan.lamella.push(LamellaNode::new(wavelength, theta, phi));
+                    plan.lamella.len() - 1
+                });
+            }
+            if share_b > 0.0 {
+                let key = (wavelength.to_bits(), theta.to_bits(), reading.polarization);
+                planned.stack = match stack_index.get(&key) {
+                    Some(&index) => index,
+                    None => {
+                        let media = model.stack().media(wavelength)?;
+                        plan.stack.push(StackNode { media, theta, shares: reading.polarization.shares() });
+                        stack_index.insert(key, plan.stack.len() - 1);
+                        plan.stack.len() - 1
+                    }
+                };
+                planned.lobe = *lobe_index.entry((theta.to_bits(), phi.to_bits())).or_insert_with(|| {
+                    plan.lobe.push((theta, phi));
+                    plan.lobe.len() - 1
+                });
+            }
+            plan.readings.push(planned);
+        }
+        // The model itself may refuse the media; learn that now, and not as a fit without a finite value.
+        if let Some(node) = plan.stack.first() {
+            model.stack_reflectivity(&node.media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
+        }
+        Ok(plan)
+    }
+
+    /// Number of readings.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// Whether there are no readings.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.readings.is_empty()
+    }
+
+    /// Whether some reading sees Model A.
+    #[must_use]
+    pub fn has_lamella(&self) -> bool {
+        !self.lamella.is_empty()
+    }
+
+    /// Whether some reading sees Model B.
+    #[must_use]
+    pub fn has_multilayer(&self) -> bool {
+        !self.stack.is_empty()
+    }
+
+    pub(crate) fn interference(&self, period: f64) -> Vec<f64> {
+        let layers = self.model.stack().layers;
+        self.lamella.iter().map(|node| node.interference(period, layers)).collect()
+    }
+
+    pub(crate) fn diffraction(&self, lamella_width: f64) -> Vec<f64> {
+        let factor = self.model.lamella_factor(lamella_width);
+        self.lamella.iter().map(|node| factor * node.obliquity * node.diffraction(lamella_width)).collect()
+    }
+
+    /// NaN where the model has no answer, which a fit reads as a forbidden point.
+    pub(crate) fn stack(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Vec<f64> {
+        let period = Period { cuticle: d_cuticle, gap: d_air };
+        let at = |node: &StackNode| {
+            self.model
+                .stack_reflectivity(&node.media, period, node.theta - delta)
+                .map_or(f64::NAN, |both| node.shares.0 * both.s + node.shares.1 * both.p)
+        };
+        self.stack.iter().map(at).collect()
+    }
+
+    pub(crate) fn lobe(&self, delta: f64, phi_alpha: f64) -> Vec<f64> {
+        self.lobe.iter().map(|&(theta, phi)| lobe::lobe(theta, phi, delta, phi_alpha)).collect()
+    }
+
+    pub(crate) fn terms(&self, values: &[f64; COUNT]) -> Terms {
+        let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = *values;
+        Terms {
+            interference: self.interference(d_air + d_cuticle),
+            diffraction: self.diffraction(lamella_width),
+            stack: self.stack(d_air, d_cuticle, delta),
+            lobe: self.lobe(delta, phi_alpha),
+        }
+    }
+
+    /// `(I_A cos² omega, I_B sin² omega)` of a reading.
+    #[inline]
+    pub(crate) fn parts(&self, reading: &PlannedReading, terms: &Terms) -> (f64, f64) {
+        let a = if reading.share_a > 0.0 {
+            reading.share_a * terms.interference[reading.lamella] * terms.diffraction[reading.lamella]
+        } else {
+            0.0
+        };
+        let b = if reading.share_b > 0.0 {
+            reading.share_b * terms.stack[reading.stack] * terms.lobe[reading.lobe]
+        } else {
+            0.0
+        };
+        (a, b)
+    }
+}

@@ -1,0 +1,192 @@
+//! The join of optics, data and optimiser: weighted residuals over the free parameters.
+//!
+//! ```text
+//! r_i = (model_i(p, c) - intensity_i) / sigma_i,   c = best non-negative nuisances at p
+//! ```
+
+use crate::inversion::nuisance::LinearPart;
+use crate::inversion::parameter::{COUNT, Freedom, Parameter};
+use crate::inversion::plan::{Plan, Terms};
+use crate::optimise::{Bounds, LeastSquares, derivative};
+use nalgebra::{DMatrix, DVector};
+use std::cell::RefCell;
+
+/// What a run of the solver minimises. Made anew for each run: it remembers its last point.
+#[derive(Debug)]
+pub(crate) struct Problem<'a> {
+    plan: &'a Plan<'a>,
+    linear: &'a LinearPart,
+    freedom: &'a Freedom,
+    bounds: &'a Bounds,
+    scales: &'a DVector<f64>,
+    /// Square roots of the weights of a robust loss; empty for none.
+    robust: &'a [f64],
+    last: RefCell<Option<Evaluation>>,
+}
+
+/// The model at one point.
+#[derive(Debug, Clone)]
+pub(crate) struct Evaluation {
+    free: DVector<f64>,
+    pub(crate) values: [f64; COUNT],
+    pub(crate) terms: Terms,
+    pub(crate) coefficients: DVector<f64>,
+}
+
+impl Evaluation {
+    /// A point without values.
+    pub(crate) fn empty(columns: usize) -> Self {
+        Self {
+            free: DVector::zeros(0),
+            values: [f64::NAN; COUNT],
+            terms: Terms::default(),
+            coefficients: DVector::zeros(columns),
+        }
+    }
+}
+
+/// Limits that a derivative may not cross: the domain of the models, wider than any bound of a fit.
+fn domain(parameter: Parameter) -> (f64, f64) {
+    parameter.domain()
+}
+
+impl<'a> Problem<'a> {
+    pub(crate) fn new(
+        plan: &'a Plan<'a>,
+        linear: &'a LinearPart,
+        freedom: &'a Freedom,
+        bounds: &'a Bounds,
+        scales: &'a DVector<f64>,
+        robust: &'a [f64],
+    ) -> Self {
+        Self { plan, linear, freedom, bounds, scales, robust, last: RefCell::new(None) }
+    }
+
+    fn weight(&self, row: usize) -> f64 {
+        self.plan.readings[row].weight * self.robust.get(row).copied().unwrap_or(1.0)
+    }
+
+    /// The model at `free` with its best nuisances; `None` outside the models' domain.
+    pub(crate) fn evaluate(&self, free: &DVector<f64>) -> Option<Evaluation> {
+        let values = self.freedom.expand(free);
+        let inside = Parameter::ALL.iter().zip(&values).all(|(&parameter, value)| {
+            let (lower, upper) = domain(parameter);
+            (lower..=upper).contains(value)
+        });
+        if !inside {
+            return None;
+        }
+        let terms = self.plan.terms(&values);
+        let coefficients = self.linear.normal_equations(self.plan, &terms, self.robust).solve();
+        Some(Evaluation { free: free.clone(), values, terms, coefficients })
+    }
+
+    fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
+        DVector::from_fn(self.plan.len(), |row, _| {
+            let reading = &self.plan.readings[row];
+            let parts = self.plan.parts(reading, &point.terms);
+            self.weight(row) * (self.linear.value(reading.curve, parts, &point.coefficients) - reading.intensity)
+        })
+    }
+
+    /// Weighted derivatives by the free parameters at fixed nuisances, `[m, n]`: differences of each term in each
+    /// parameter it depends on, joined by the product rule.
+    fn slopes(&self, point: &Evaluation) -> DMatrix<f64> {
+        let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = point.values;
+        let plan = self.plan;
+        let moves = |parameter| self.freedom.moves(parameter);
+        let difference = |parameter: Parameter, at: f64, function: &dyn Fn(f64) -> Vec<f64>| {
+            moves(parameter).then(|| {
+                derivative(|x| DVector::from_vec(function(x)), at, parameter.typical_change(), domain(parameter))
+            })
+        };
+        let period = (moves(Parameter::DAir) || moves(Parameter::DCuticle)).then(|| {
+            let along = |x| DVector::from_vec(plan.interference(x));
+            derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY))
+        });
+        let width = difference(Parameter::LamellaWidth, lamella_width, &|x| plan.diffraction(x));
+        let stack = [
+            difference(Parameter::DAir, d_air, &|x| plan.stack(x, d_cuticle, delta)),
+            difference(Parameter::DCuticle, d_cuticle, &|x| plan.stack(d_air, x, delta)),
+            difference(Parameter::Delta, delta, &|x| plan.stack(d_air, d_cuticle, x)),
+        ];
+        let lobe = [
+            difference(Parameter::Delta, delta, &|x| plan.lobe(x, phi_alpha)),
+            difference(Parameter::PhiAlpha, phi_alpha, &|x| plan.lobe(delta, x)),
+        ];
+
+        let terms = &point.terms;
+        let mut all = DMatrix::zeros(plan.len(), COUNT);
+        for (row, reading) in plan.readings.iter().enumerate() {
+            let (on_a, on_b, _) = self.linear.factors(reading.curve, &point.coefficients);
+            let weight = self.weight(row);
+            let at = |values: &Option<DVector<f64>>, index: usize| values.as_ref().map_or(0.0, |values| values[index]);
+            if reading.share_a > 0.0 {
+                let factor = weight * on_a * reading.share_a;
+                let by_period = factor * at(&period, reading.lamella) * terms.diffraction[reading.lamella];
+                all[(row, 0)] += by_period;
+                all[(row, 1)] += by_period;
+                all[(row, 4)] += factor * terms.interference[reading.lamella] * at(&width, reading.lamella);
+            }
+            if reading.share_b > 0.0 {
+                let factor = weight * on_b * reading.share_b;
+                let (r, l) = (terms.stack[reading.stack], terms.lobe[reading.lobe]);
+                all[(row, 0)] += factor * l * at(&stack[0], reading.stack);
+                all[(row, 1)] += factor * l * at(&stack[1], reading.stack);
+                all[(row, 2)] += factor * (l * at(&stack[2], reading.stack) + r * at(&lobe[0], reading.lobe));
+                all[(row, 3)] += factor * r * at(&lobe[1], reading.lobe);
+            }
+        }
+        all * self.freedom.matrix()
+    }
+
+    /// The linear columns in use at `point`, weighted, `[m, q]`.
+    pub(crate) fn design(&self, point: &Evaluation) -> DMatrix<f64> {
+        self.linear.design(self.plan, &point.terms, |row, _| self.weight(row), &point.coefficients)
+    }
+
+    /// Derivatives by free parameters and by the nuisances in use, `[m, n + q]`: the full problem's Jacobian.
+    pub(crate) fn full_jacobian(&self, point: &Evaluation) -> DMatrix<f64> {
+        let slopes = self.slopes(point);
+        let design = self.design(point);
+        let n = slopes.ncols();
+        let mut full = slopes.resize_horizontally(n + design.ncols(), 0.0);
+        full.columns_mut(n, design.ncols()).copy_from(&design);
+        full
+    }
+}
+
+impl LeastSquares for Problem<'_> {
+    fn residuals(&self, free: &DVector<f64>) -> DVector<f64> {
+        let Some(point) = self.evaluate(free) else {
+            return DVector::from_element(self.plan.len(), f64::INFINITY);
+        };
+        let residuals = self.residuals_at(&point);
+        self.last.replace(Some(point));
+        residuals
+    }
+
+    fn bounds(&self) -> &Bounds {
+        self.bounds
+    }
+
+    fn scales(&self) -> &DVector<f64> {
+        self.scales
+    }
+
+    /// Kaufman's form: the slopes at fixed nuisances less their projection on the linear columns in use.
+    fn jacobian(&self, free: &DVector<f64>) -> DMatrix<f64> {
+        let known = self.last.borrow().as_ref().filter(|point| point.free == *free).cloned();
+        let Some(point) = known.or_else(|| self.evaluate(free)) else {
+            return DMatrix::from_element(self.plan.len(), free.len(), f64::NAN);
+        };
+        let slopes = self.slopes(&point);
+        let design = self.design(&point);
+        if design.ncols() == 0 {
+            return slopes;
+        }
+        let q = design.qr().q();
+        let along = q.tr_mul(&slopes);
+        slopes - q * along
+    }
+}

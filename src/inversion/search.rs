@@ -1,0 +1,235 @@
+//! The global stage: a grid over the bounds, the swap partners of its best cells, and a polish of each.
+//!
+//! The landscape has 15 to 50 minima in a box of 20–300 nm, and a minimum is as narrow as a fringe of the spectrum. The
+//! grid samples it several times a fringe with the linear nuisances eliminated; the solver does the rest.
+
+use crate::inversion::nuisance::LinearPart;
+use crate::inversion::parameter::{COUNT, Freedom, Parameter, Role};
+use crate::inversion::plan::{Plan, Terms};
+use crate::inversion::problem::Problem;
+use crate::inversion::settings::{FitSettings, Search};
+use crate::optimise::{Bounds, Minimum, Tolerances, merge_equal, multistart};
+use nalgebra::DVector;
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+use std::collections::HashMap;
+
+/// Spacing of the grid in each thickness, nm. A fringe of nine layers is about 40 nm of thickness wide; at 28 nm one
+/// truth in a few hundred is missed, below 10 nm the grid costs more than all polishing.
+const THICKNESS_STEP: f64 = 14.0;
+/// Cells of thickness at most; wider bounds get a coarser grid.
+const MAX_CELLS: usize = 6000;
+/// Tilts on the grid.
+const TILTS: usize = 5;
+/// Lobe widths on the grid, evenly on a logarithmic scale.
+const LOBES: usize = 3;
+/// Lamella widths on the grid, evenly on a logarithmic scale.
+const WIDTHS: usize = 4;
+/// Cells polished.
+const POLISHED: usize = 32;
+/// Of these the best, whose swap partners are polished too.
+const SWAPPED: usize = 8;
+/// Random starts beside the grid, against structure in the landscape that follows the grid.
+const RANDOM: usize = 8;
+/// Minima of the first polish that are refined on all data.
+const REFINED: usize = 10;
+
+/// Tolerances of the first polish: enough to rank the minima.
+const COARSE: Tolerances = Tolerances { cost: 1e-4, step: 1e-5, gradient: 1e-8, max_evaluations: 60 };
+/// Tolerances of the last: the cost to 1e-10 of itself, far below what noise can tell.
+pub(crate) const FINE: Tolerances = Tolerances { cost: 1e-10, step: 1e-10, gradient: 1e-13, max_evaluations: 400 };
+
+/// What a search needs to know, compiled.
+#[derive(Debug)]
+pub(crate) struct Space {
+    pub(crate) freedom: Freedom,
+    pub(crate) bounds: Bounds,
+    /// Range of each free parameter.
+    pub(crate) ranges: DVector<f64>,
+    /// A change that matters of each free parameter.
+    pub(crate) scales: DVector<f64>,
+}
+
+impl Space {
+    /// The space of `roles`, whose bounds were checked.
+    pub(crate) fn new(roles: &[Role; COUNT]) -> Result<Self, crate::optimise::BoundsError> {
+        let freedom = Freedom::new(roles);
+        let limits = |parameter: &Parameter| match roles[parameter.index()] {
+            Role::Free { lower, upper } => (lower, upper),
+            Role::Fixed { .. } | Role::Linked { .. } => parameter.domain(),
+        };
+        let (lower, upper): (Vec<f64>, Vec<f64>) = freedom.free.iter().map(limits).unzip();
+        let bounds = Bounds::new(&lower, &upper)?;
+        let ranges = bounds.upper() - bounds.lower();
+        let scales = DVector::from_iterator(freedom.free.len(), freedom.free.iter().map(|p| p.typical_change()));
+        Ok(Self { freedom, bounds, ranges, scales })
+    }
+}
+
+/// The distinct minima, best first.
+pub(crate) fn minima(
+    settings: &FitSettings,
+    space: &Space,
+    thin: &Plan<'_>,
+    plan: &Plan<'_>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Vec<Minimum> {
+    let linear = LinearPart::new(&settings.nuisances, plan);
+    let start = start(settings, space);
+    let runs = |plan: &Plan<'_>, linear: &LinearPart, starts: &[DVector<f64>], tolerances| {
+        let problem = || Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, &[]);
+        merge_equal(multistart(problem, starts, tolerances), &space.scales)
+    };
+    if settings.search == Search::Local {
+        return runs(plan, &linear, &[start], FINE);
+    }
+    let thin_linear = LinearPart::new(&settings.nuisances, thin);
+    progress("searching the grid");
+    let cells = grid(space, thin, &thin_linear);
+    let mut starts = vec![start];
+    let best: Vec<&Cell> = cells.iter().take(POLISHED).collect();
+    starts.extend(best.iter().map(|cell| space.freedom.restrict(&cell.values)));
+    let ratio = index_ratio(settings);
+    starts.extend(best.iter().take(SWAPPED).filter_map(|cell| swap_partner(&cell.values, ratio, space)));
+    starts.extend(space.bounds.latin_hypercube(RANDOM, settings.seed));
+    progress("polishing the best cells");
+    let rough = runs(thin, &thin_linear, &starts, COARSE);
+    let refined: Vec<DVector<f64>> = rough.iter().take(REFINED).map(|run| run.parameters.clone()).collect();
+    progress("refining the minima");
+    runs(plan, &linear, &refined, FINE)
+}
+
+/// The user's start, completed by the middle of the bounds.
+fn start(settings: &FitSettings, space: &Space) -> DVector<f64> {
+    DVector::from_fn(space.freedom.free.len(), |j, _| {
+        let middle = 0.5 * (space.bounds.lower()[j] + space.bounds.upper()[j]);
+        settings.start[space.freedom.free[j].index()].unwrap_or(middle)
+    })
+}
+
+/// Index of the cuticle over that of the gap at green light, where the media have one there; else 1.56.
+fn index_ratio(settings: &FitSettings) -> f64 {
+    settings.stack.media(550.0).map_or(1.56, |media| media.cuticle.re / media.gap.re)
+}
+
+/// `(n d_cuticle, d_air / n)`: the structure whose layers have each other's optical thickness.
+fn swap_partner(values: &[f64; COUNT], ratio: f64, space: &Space) -> Option<DVector<f64>> {
+    let mut partner = *values;
+    (partner[0], partner[1]) = (ratio * values[1], values[0] / ratio);
+    let free = space.freedom.restrict(&partner);
+    space.bounds.contain(&free).then_some(free)
+}
+
+/// One cell of the grid: its best point and the sum of squares there.
+#[derive(Debug, Clone)]
+struct Cell {
+    cost: f64,
+    values: [f64; COUNT],
+}
+
+/// Middles of `count` equal slices of `[lower, upper]`, or slices of equal ratio.
+fn middles(lower: f64, upper: f64, count: usize, by_ratio: bool) -> Vec<f64> {
+    #[allow(clippy::cast_precision_loss, reason = "grid sizes are small")]
+    let share = |slice: usize| (slice as f64 + 0.5) / count as f64;
+    if by_ratio && lower > 0.0 {
+        (0..count).map(|slice| lower * (upper / lower).powf(share(slice))).collect()
+    } else {
+        (0..count).map(|slice| lower + share(slice) * (upper - lower)).collect()
+    }
+}
+
+/// Grid values of each free parameter; one value where the data cannot see it.
+fn axes(space: &Space, plan: &Plan<'_>) -> Vec<Vec<f64>> {
+    let is_thickness = |parameter: &Parameter| matches!(parameter, Parameter::DAir | Parameter::DCuticle);
+    let thicknesses: Vec<f64> = (space.freedom.free.iter())
+        .zip(&space.ranges)
+        .filter(|(parameter, _)| is_thickness(parameter))
+        .map(|(_, &range)| (range / THICKNESS_STEP).ceil().max(2.0))
+        .collect();
+    #[allow(clippy::cast_precision_loss, reason = "a constant")]
+    let excess = (thicknesses.iter().product::<f64>() / MAX_CELLS as f64).max(1.0);
+    #[allow(clippy::cast_precision_loss, reason = "at most two")]
+    let coarser = excess.powf(1.0 / thicknesses.len().max(1) as f64);
+    (space.freedom.free.iter().enumerate())
+        .map(|(j, parameter)| {
+            let (lower, upper) = (space.bounds.lower()[j], space.bounds.upper()[j]);
+            let (count, by_ratio) = match parameter {
+                Parameter::DAir | Parameter::DCuticle => {
+                    let count = (space.ranges[j] / THICKNESS_STEP).ceil().max(2.0) / coarser;
+                    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 6000")]
+                    let count = count.ceil() as usize;
+                    (count, false)
+                }
+                Parameter::Delta if plan.has_multilayer() => (TILTS, false),
+                Parameter::PhiAlpha if plan.has_multilayer() => (LOBES, true),
+                Parameter::LamellaWidth if plan.has_lamella() => (WIDTHS, true),
+                Parameter::Delta | Parameter::PhiAlpha | Parameter::LamellaWidth => (1, false),
+            };
+            middles(lower, upper, count, by_ratio)
+        })
+        .collect()
+}
+
+/// All combinations of one value from each axis.
+fn combinations(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    axes.iter().fold(vec![Vec::new()], |head, axis| {
+        let longer = |front: &Vec<f64>, value: &f64| front.iter().copied().chain([*value]).collect::<Vec<f64>>();
+        head.iter().flat_map(|front| axis.iter().map(|value| longer(front, value)).collect::<Vec<_>>()).collect()
+    })
+}
+
+/// The grid's cells of thickness, each with the best of its other parameters, best first.
+fn grid(space: &Space, plan: &Plan<'_>, linear: &LinearPart) -> Vec<Cell> {
+    let axes = axes(space, plan);
+    let outer = space.freedom.free.iter().take_while(|p| matches!(p, Parameter::DAir | Parameter::DCuticle)).count();
+    let inner = combinations(&axes[outer..]);
+    let full = |outer: &[f64], inner: &[f64]| {
+        let free = DVector::from_iterator(outer.len() + inner.len(), outer.iter().chain(inner).copied());
+        space.freedom.expand(&free)
+    };
+    let key = |value: f64| value.to_bits();
+    // Lobes and slits are the same in every cell, unless they are linked to a thickness: compute them once.
+    let mut lobes: HashMap<(u64, u64), Vec<f64>> = HashMap::new();
+    let mut slits: HashMap<u64, Vec<f64>> = HashMap::new();
+    let outers = combinations(&axes[..outer]);
+    for values in outers.iter().take(1).flat_map(|outer| inner.iter().map(|inner| full(outer, inner))) {
+        lobes.entry((key(values[2]), key(values[3]))).or_insert_with(|| plan.lobe(values[2], values[3]));
+        slits.entry(key(values[4])).or_insert_with(|| plan.diffraction(values[4]));
+    }
+    let cell = |outer: &Vec<f64>| {
+        let mut best = Cell { cost: f64::INFINITY, values: [f64::NAN; COUNT] };
+        let mut terms = Terms::default();
+        let mut stacks: HashMap<u64, Vec<f64>> = HashMap::new();
+        for (count, inner) in inner.iter().enumerate() {
+            let values = full(outer, inner);
+            let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = values;
+            let inside = Parameter::ALL.iter().zip(&values).all(|(parameter, value)| {
+                let (lower, upper) = parameter.domain();
+                (lower..=upper).contains(value)
+            });
+            if !inside {
+                continue;
+            }
+            if count == 0 || terms.interference.is_empty() {
+                terms.interference = plan.interference(d_air + d_cuticle);
+            }
+            terms.stack.clone_from(stacks.entry(key(delta)).or_insert_with(|| plan.stack(d_air, d_cuticle, delta)));
+            match lobes.get(&(key(delta), key(phi_alpha))) {
+                Some(lobe) => terms.lobe.clone_from(lobe),
+                None => terms.lobe = plan.lobe(delta, phi_alpha),
+            }
+            match slits.get(&key(lamella_width)) {
+                Some(slit) => terms.diffraction.clone_from(slit),
+                None => terms.diffraction = plan.diffraction(lamella_width),
+            }
+            let sums = linear.normal_equations(plan, &terms, &[]);
+            let cost = sums.sum_of_squares(&sums.solve());
+            if cost < best.cost {
+                best = Cell { cost, values };
+            }
+        }
+        best
+    };
+    let mut cells: Vec<Cell> = outers.par_iter().map(cell).filter(|cell| cell.cost.is_finite()).collect();
+    cells.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    cells
+}

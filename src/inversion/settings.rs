@@ -1,0 +1,198 @@
+//! The choices of a fit, checked and complete: together with the data they give the same result to the last bit.
+
+use crate::inversion::nuisance::Nuisances;
+use crate::inversion::parameter::{COUNT, Parameter, Role};
+use crate::optics::{Admittance, BlendModel, LamellaUnit, PaperModel, ReflectivityModel, Snell, Stack};
+use crate::optimise::Loss;
+use serde::{Deserialize, Serialize};
+
+/// Which forward model, with its choices.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "name")]
+pub enum ModelChoice {
+    /// The paper's structure with its physics put right.
+    #[default]
+    Blend,
+    /// The printed formulas.
+    Paper {
+        /// Which way up Snell's law is.
+        snell: Snell,
+        /// How the polarizations are joined.
+        admittance: Admittance,
+        /// What Model A is divided by.
+        lamella_unit: LamellaUnit,
+    },
+}
+
+impl ModelChoice {
+    /// The model for a stack.
+    #[must_use]
+    pub fn build(self, stack: Stack) -> Box<dyn ReflectivityModel> {
+        match self {
+            Self::Blend => Box::new(BlendModel { stack }),
+            Self::Paper { snell, admittance, lamella_unit } => {
+                Box::new(PaperModel { stack, snell, admittance, lamella_unit })
+            }
+        }
+    }
+}
+
+/// Where the search for the minimum begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Search {
+    /// A grid over the bounds and the start, if one is given.
+    #[default]
+    Global,
+    /// The start alone: quick, and blind to every other minimum.
+    Local,
+}
+
+/// Everything that a fit is told beside the data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitSettings {
+    /// The forward model.
+    pub model: ModelChoice,
+    /// Media and layer count.
+    pub stack: Stack,
+    /// What each of the five parameters may do, in the order of [`Parameter::ALL`].
+    pub roles: [Role; COUNT],
+    /// A start for the free ones, inside units; where one is missing the middle of its bounds stands in.
+    pub start: [Option<f64>; COUNT],
+    /// Scale, weight, background.
+    pub nuisances: Nuisances,
+    /// How outliers count.
+    pub loss: Loss,
+    /// Where the search begins.
+    pub search: Search,
+    /// Seed of the random starts that stand beside the grid.
+    pub seed: u64,
+    /// Parameters that the user asked for by name: it is a failure if one of them is not determined.
+    pub required: Vec<Parameter>,
+}
+
+impl Default for FitSettings {
+    fn default() -> Self {
+        Self {
+            model: ModelChoice::default(),
+            stack: Stack::default(),
+            roles: Parameter::ALL.map(|parameter| {
+                let (lower, upper) = parameter.default_bounds();
+                Role::Free { lower, upper }
+            }),
+            start: [None; COUNT],
+            nuisances: Nuisances::default(),
+            loss: Loss::default(),
+            search: Search::default(),
+            seed: 1,
+            required: Vec::new(),
+        }
+    }
+}
+
+/// A set of choices that cannot be fitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// Bounds without room between them, or beyond the parameter's domain; user units.
+    #[error("bounds of {parameter}: {lower} to {upper} {unit} must rise and lie within {least} to {most} {unit}")]
+    Bounds {
+        /// Which parameter.
+        parameter: Parameter,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// Least value that makes sense.
+        least: f64,
+        /// Largest value that makes sense.
+        most: f64,
+    },
+    /// A value or start outside what is allowed; user units.
+    #[error("{what} of {parameter}: {found} {unit} is not within {least} to {most} {unit}")]
+    Value {
+        /// `fixed value` or `start`.
+        what: &'static str,
+        /// Which parameter.
+        parameter: Parameter,
+        /// What was given.
+        found: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// Least allowed value.
+        least: f64,
+        /// Largest allowed value.
+        most: f64,
+    },
+    /// A link to a parameter that is itself linked, or to itself.
+    #[error("{parameter} cannot be linked to {other}, which is itself linked")]
+    Link {
+        /// The linked parameter.
+        parameter: Parameter,
+        /// What it should follow.
+        other: Parameter,
+    },
+    /// A weight of Model A that is no number of at least 0.
+    #[error("the weight of Model A is {found}; it must be a finite number, at least 0")]
+    Weight {
+        /// What was given.
+        found: f64,
+    },
+}
+
+impl FitSettings {
+    /// Checks every role, start and number.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with the first choice that cannot be.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        for (parameter, role) in Parameter::ALL.into_iter().zip(&self.roles) {
+            let domain = parameter.domain();
+            let (least, most, unit) = (parameter.outside(domain.0), parameter.outside(domain.1), parameter.unit());
+            let value = |what, found: f64, (lower, upper): (f64, f64)| {
+                if (lower..=upper).contains(&found) {
+                    return Ok(());
+                }
+                let (found, least, most) =
+                    (parameter.outside(found), parameter.outside(lower), parameter.outside(upper));
+                Err(SettingsError::Value { what, parameter, found, unit, least, most })
+            };
+            match *role {
+                Role::Free { lower, upper } => {
+                    let rises = lower < upper && lower >= domain.0 && upper <= domain.1;
+                    if !rises {
+                        let (lower, upper) = (parameter.outside(lower), parameter.outside(upper));
+                        return Err(SettingsError::Bounds { parameter, lower, upper, unit, least, most });
+                    }
+                    if let Some(start) = self.start[parameter.index()] {
+                        value("start", start, (lower, upper))?;
+                    }
+                }
+                Role::Fixed { value: fixed } => value("fixed value", fixed, domain)?,
+                Role::Linked { other, factor, constant } => {
+                    if other == parameter || matches!(self.roles[other.index()], Role::Linked { .. }) {
+                        return Err(SettingsError::Link { parameter, other });
+                    }
+                    value("link's factor", factor, (-1e9, 1e9))?;
+                    value("link's constant", constant, (-1e9, 1e9))?;
+                }
+            }
+        }
+        if let crate::inversion::nuisance::Weight::Fixed(found) = self.nuisances.weight {
+            if !(found.is_finite() && found >= 0.0) {
+                return Err(SettingsError::Weight { found });
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the role of one parameter.
+    #[must_use]
+    pub fn with_role(mut self, parameter: Parameter, role: Role) -> Self {
+        self.roles[parameter.index()] = role;
+        self
+    }
+}

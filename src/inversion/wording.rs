@@ -1,0 +1,78 @@
+//! Sentences about what the data do not determine.
+
+use crate::inversion::fit::Held;
+use crate::inversion::parameter::Parameter;
+
+/// Two coefficients closer than this share are called the same.
+const SAME: f64 = 0.02;
+
+/// One sentence for a direction that is not determined; `ratio` is the index of the cuticle over that of the gap.
+pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
+    let names: Vec<&str> = held.direction.iter().map(|(parameter, _)| parameter.name()).collect();
+    match held.direction.as_slice() {
+        [(parameter, _)] if held.deviation.is_infinite() => {
+            format!("{parameter} cannot be told: nothing in the data depends on it")
+        }
+        [(parameter, _)] => format!(
+            "{parameter} cannot be told: the noise hides it (its standard deviation would be {:.0} % of its bounds)",
+            100.0 * held.deviation.min(99.99)
+        ),
+        [first, second] => {
+            let (first, second) = if first.0 < second.0 { (first, second) } else { (second, first) };
+            format!(
+                "only {} is determined, not {} and {} separately",
+                combination(*first, *second, ratio),
+                first.0,
+                second.0
+            )
+        }
+        _ => format!("only combinations of {} are determined, not each of them", names.join(", ")),
+    }
+}
+
+/// The combination of two parameters that a step along the undetermined direction leaves alone.
+fn combination(first: (Parameter, f64), second: (Parameter, f64), ratio: f64) -> String {
+    let (step_first, step_second) = (first.0.outside(first.1), second.0.outside(second.1));
+    let factor = -step_first / step_second;
+    let thicknesses = (first.0, second.0) == (Parameter::DAir, Parameter::DCuticle);
+    let is = |value: f64| (factor - value).abs() < SAME * value;
+    if thicknesses && is(1.0) {
+        "d_air + d_cuticle".to_owned()
+    } else if thicknesses && is(ratio) {
+        format!("d_air + {ratio:.3}·d_cuticle (the optical sum)")
+    } else if factor < 0.0 {
+        format!("{} - {:.3}·{}", first.0, -factor, second.0)
+    } else {
+        format!("{} + {:.3}·{}", first.0, factor, second.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn held(direction: Vec<(Parameter, f64)>, deviation: f64) -> Held {
+        Held { direction, deviation }
+    }
+
+    #[test]
+    fn each_kind_of_direction_has_its_sentence() {
+        let sum = held(vec![(Parameter::DCuticle, -0.7), (Parameter::DAir, 0.7)], f64::INFINITY);
+        assert_eq!(
+            undetermined(&sum, 1.56),
+            "only d_air + d_cuticle is determined, not d_air and d_cuticle separately"
+        );
+        let optical = held(vec![(Parameter::DAir, 1.56), (Parameter::DCuticle, -1.0)], 0.5);
+        assert_eq!(
+            undetermined(&optical, 1.56),
+            "only d_air + 1.560·d_cuticle (the optical sum) is determined, not d_air and d_cuticle separately"
+        );
+        let alone = held(vec![(Parameter::LamellaWidth, 1.0)], f64::INFINITY);
+        assert_eq!(undetermined(&alone, 1.56), "lamella_width cannot be told: nothing in the data depends on it");
+        let hidden = held(vec![(Parameter::Delta, 1.0)], 0.4);
+        assert_eq!(
+            undetermined(&hidden, 1.56),
+            "delta cannot be told: the noise hides it (its standard deviation would be 40 % of its bounds)"
+        );
+    }
+}

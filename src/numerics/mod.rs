@@ -1,0 +1,3 @@
+//! Numerical methods that know neither physics nor colour, without I/O.
+
+pub mod nonnegative;

@@ -1,0 +1,152 @@
+//! Linear least squares with non-negative coefficients, from normal equations.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// A column whose part outside the others is below this share of its square adds nothing and gets the coefficient 0.
+const DEPENDENT: f64 = 1e-12;
+
+/// Coefficients `c >= 0` that minimise `c' G c - 2 b' c`, for a Gram matrix `G = X' X` and `b = X' y`.
+///
+/// The active-set method of Lawson and Hanson on columns scaled to length 1. A column of length 0, or one that depends
+/// on those before it, gets 0. A coefficient that is 0 is exactly 0.
+///
+/// # Shape
+/// `gram: [q, q]`, `right: [q]`, result `[q]`. Values that are not finite give zeros.
+///
+/// # Source
+/// Lawson and Hanson 1974, *Solving Least Squares Problems*, chapter 23.
+///
+/// ```
+/// use morpho_fit::numerics::nonnegative::solve;
+/// use nalgebra::{DMatrix, DVector};
+/// let gram = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]);
+/// assert_eq!(solve(&gram, &DVector::from_vec(vec![2.0, -3.0])).as_slice(), &[1.0, 0.0]);
+/// ```
+#[must_use]
+pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let q = right.len();
+    let mut coefficients = DVector::zeros(q);
+    let length = DVector::from_fn(q, |j, _| gram[(j, j)].sqrt());
+    if !(gram.iter().all(|value| value.is_finite()) && right.iter().all(|value| value.is_finite())) {
+        return coefficients;
+    }
+    let mut usable: Vec<usize> = (0..q).filter(|&j| length[j] > 0.0).collect();
+    let scaled_gram = |i: usize, j: usize| gram[(i, j)] / (length[i] * length[j]);
+    let scaled_right = |j: usize| right[j] / length[j];
+
+    // Most often no bound is active: try that first.
+    let mut passive: Vec<usize> = Vec::with_capacity(q);
+    if let Some(all) = equality(&usable, scaled_gram, scaled_right) {
+        if all.iter().all(|&value| value >= 0.0) {
+            for (c, &j) in usable.iter().enumerate() {
+                coefficients[j] = all[c] / length[j];
+            }
+            return coefficients;
+        }
+    }
+    let mut scaled = DVector::<f64>::zeros(q);
+    for _ in 0..3 * q.max(1) {
+        let slope = |j: usize| scaled_right(j) - passive.iter().map(|&i| scaled_gram(j, i) * scaled[i]).sum::<f64>();
+        let size =
+            right.iter().zip(&length).map(|(b, l)| if *l > 0.0 { (b / l).abs() } else { 0.0 }).fold(0.0, f64::max);
+        let steepest = usable
+            .iter()
+            .copied()
+            .filter(|j| !passive.contains(j))
+            .map(|j| (slope(j), j))
+            .filter(|(slope, _)| *slope > 1e-14 * size)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, entering)) = steepest else { break };
+        passive.push(entering);
+        loop {
+            let Some(trial) = equality(&passive, scaled_gram, scaled_right) else {
+                passive.retain(|&j| j != entering);
+                usable.retain(|&j| j != entering);
+                break;
+            };
+            let share = passive
+                .iter()
+                .enumerate()
+                .filter(|(c, _)| trial[*c] <= 0.0)
+                .map(|(c, &j)| scaled[j] / (scaled[j] - trial[c]))
+                .fold(f64::INFINITY, f64::min);
+            if share.is_infinite() {
+                for (c, &j) in passive.iter().enumerate() {
+                    scaled[j] = trial[c];
+                }
+                break;
+            }
+            let share = if share.is_finite() { share } else { 0.0 };
+            for (c, &j) in passive.iter().enumerate() {
+                scaled[j] += share * (trial[c] - scaled[j]);
+            }
+            let stuck = passive.iter().copied().enumerate().filter(|(c, j)| trial[*c] <= 0.0 && scaled[*j] <= 1e-15);
+            let leaving: Vec<usize> = stuck.map(|(_, j)| j).collect();
+            for &j in &leaving {
+                scaled[j] = 0.0;
+            }
+            if leaving.is_empty() {
+                break;
+            }
+            passive.retain(|j| !leaving.contains(j));
+            if passive.is_empty() {
+                break;
+            }
+        }
+    }
+    for j in passive {
+        coefficients[j] = scaled[j] / length[j];
+    }
+    coefficients
+}
+
+/// Solution on `columns` alone, without bounds; `None` if they depend on each other.
+fn equality(
+    columns: &[usize],
+    gram: impl Fn(usize, usize) -> f64,
+    right: impl Fn(usize) -> f64,
+) -> Option<DVector<f64>> {
+    let matrix = DMatrix::from_fn(columns.len(), columns.len(), |i, j| gram(columns[i], columns[j]));
+    let factor = Cholesky::new(matrix)?;
+    if factor.l_dirty().diagonal().iter().any(|pivot| pivot * pivot <= DEPENDENT) {
+        return None;
+    }
+    Some(factor.solve(&DVector::from_fn(columns.len(), |c, _| right(columns[c]))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::{prop_assert, proptest};
+
+    #[test]
+    fn a_repeated_column_and_an_empty_one_are_left_out() {
+        let x = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+        let y = DVector::from_vec(vec![1.0, 2.0, 5.0]);
+        let c = solve(&(x.transpose() * &x), &(x.transpose() * &y));
+        assert!((c[0] + c[1] - 1.0).abs() < 1e-12 && (c[0] < 1e-300 || c[1] < 1e-300) && c[2] < 1e-300, "{c}");
+    }
+
+    #[test]
+    fn values_that_are_not_finite_give_zeros() {
+        let c = solve(&DMatrix::from_element(1, 1, f64::NAN), &DVector::from_element(1, 1.0));
+        assert_eq!(c.as_slice(), &[0.0]);
+    }
+
+    proptest! {
+        /// The Karush–Kuhn–Tucker conditions, which hold at the minimum and nowhere else.
+        #[test]
+        fn the_solution_is_optimal(values in proptest::collection::vec(-1.0_f64..1.0, 40)) {
+            let x = DMatrix::from_column_slice(8, 4, &values[..32]);
+            let y = DVector::from_column_slice(&values[32..]);
+            let (gram, right) = (x.transpose() * &x, x.transpose() * &y);
+            let c = solve(&gram, &right);
+            let slope = &right - &gram * &c;
+            for j in 0..4 {
+                prop_assert!(c[j] >= 0.0);
+                prop_assert!(slope[j] <= 1e-9, "a column outside would help: {slope}");
+                prop_assert!((c[j] * slope[j]).abs() <= 1e-9, "a column inside is not at its best: {slope}");
+            }
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! Reference problems from outside, shared by the test binaries.
+#![allow(dead_code, unreachable_pub, reason = "each test binary uses its part")]
+
+pub mod more_garbow_hillstrom;
+pub mod nist;
