@@ -7,7 +7,7 @@ use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
 use crate::inversion::search::{self, FINE, Space};
-use crate::inversion::settings::{FitSettings, SettingsError};
+use crate::inversion::settings::{FitSettings, Search, SettingsError};
 use crate::inversion::summary::{Found, summarise};
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
@@ -44,7 +44,7 @@ pub enum FitError {
 }
 
 /// Readings that the global stage looks at; more would cost time and not change the ranking of minima.
-const THINNED: usize = 400;
+const THINNED: usize = 320;
 /// Reweightings of a robust fit.
 const REWEIGHTINGS: usize = 30;
 /// A reweighting that changes the robust cost by less than this share is the last.
@@ -75,14 +75,17 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     settings.validate()?;
     let model = settings.model.build(settings.stack.clone());
     let plan = Plan::new(data, model.as_ref())?;
-    let thin = Plan::thinned(data, model.as_ref(), THINNED)?;
+    let thin = match settings.search {
+        Search::Global => Some(Plan::thinned(data, model.as_ref(), THINNED)?),
+        Search::Local => None,
+    };
     let linear = LinearPart::new(&settings.nuisances, &plan);
     let space = Space::new(&settings.roles)?;
     let unknowns = space.freedom.free.len() + linear.columns.len();
     if plan.len() <= unknowns {
         return Err(FitError::TooFewReadings { readings: plan.len(), unknowns });
     }
-    let mut minima = search::minima(settings, &space, &thin, &plan, progress);
+    let mut minima = search::minima(settings, &space, thin.as_ref(), &plan, progress);
     let robust = if settings.loss == Loss::Linear {
         Vec::new()
     } else {

@@ -11,7 +11,7 @@
 //! Golub and Pereyra 1973, DOI 10.1137/0710036; derivatives in the form of Kaufman 1975, DOI 10.1007/BF01932995, whose
 //! normal matrix is the exact Schur complement of the full problem's.
 
-use crate::inversion::plan::{Plan, PlannedReading, Terms};
+use crate::inversion::plan::{Plan, PlannedReading, TermsView};
 use crate::numerics::nonnegative;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -182,8 +182,16 @@ impl LinearPart {
         (known, entries, count)
     }
 
+    /// The best non-negative coefficients for `terms`; `extra` as in [`normal_equations`](Self::normal_equations).
+    pub(crate) fn best(&self, plan: &Plan<'_>, terms: TermsView<'_>, extra: &[f64]) -> DVector<f64> {
+        if self.columns.is_empty() {
+            return DVector::zeros(0);
+        }
+        self.normal_equations(plan, terms, extra).solve()
+    }
+
     /// Sums over all readings; `extra` are the square roots of further weights, empty for none.
-    pub(crate) fn normal_equations(&self, plan: &Plan<'_>, terms: &Terms, extra: &[f64]) -> NormalEquations {
+    pub(crate) fn normal_equations(&self, plan: &Plan<'_>, terms: TermsView<'_>, extra: &[f64]) -> NormalEquations {
         let q = self.columns.len();
         let mut sums = NormalEquations { gram: DMatrix::zeros(q, q), right: DVector::zeros(q), square: 0.0 };
         for (row, reading) in plan.readings.iter().enumerate() {
@@ -226,11 +234,14 @@ impl LinearPart {
     pub(crate) fn design(
         &self,
         plan: &Plan<'_>,
-        terms: &Terms,
+        terms: TermsView<'_>,
         weight: impl Fn(usize, &PlannedReading) -> f64,
         coefficients: &DVector<f64>,
     ) -> DMatrix<f64> {
         let active: Vec<usize> = (0..self.columns.len()).filter(|&i| coefficients[i] > 0.0).collect();
+        if active.is_empty() {
+            return DMatrix::zeros(plan.len(), 0);
+        }
         let mut place = vec![usize::MAX; self.columns.len()];
         for (c, &i) in active.iter().enumerate() {
             place[i] = c;

@@ -237,6 +237,8 @@ pub struct FitOutcome {
     pub nuisance: Vec<NuisanceFound>,
     /// How the solver ended at the best minimum.
     pub termination: Termination,
+    /// Evaluations of the model in the run that ended there, those for derivatives apart.
+    pub evaluations: usize,
     /// Every choice of the fit.
     pub settings: FitSettings,
     /// Seed of the random starts.

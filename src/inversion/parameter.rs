@@ -215,6 +215,11 @@ impl Freedom {
         DVector::from_iterator(self.free.len(), self.free.iter().map(|parameter| all[parameter.index()]))
     }
 
+    /// Whether every parameter is free: then the map is the identity.
+    pub(crate) fn is_all_free(&self) -> bool {
+        self.free.len() == COUNT
+    }
+
     /// `d all / d free`, `[5, n]`.
     #[must_use]
     pub(crate) fn matrix(&self) -> &DMatrix<f64> {

@@ -11,10 +11,10 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::parameter::COUNT;
-use crate::optics::lamella::LamellaNode;
+use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::Period;
 use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// One reading as indices into the unique points.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +44,9 @@ struct StackNode {
 pub struct Plan<'a> {
     model: &'a dyn ReflectivityModel,
     stack: Vec<StackNode>,
-    lamella: Vec<LamellaNode>,
+    half_kv: Vec<f64>,
+    half_ku: Vec<f64>,
+    obliquity: Vec<f64>,
     lobe: Vec<(f64, f64)>,
     pub(crate) readings: Vec<PlannedReading>,
     pub(crate) curves: usize,
@@ -53,14 +55,34 @@ pub struct Plan<'a> {
 /// Values at the unique points of a plan.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Terms {
-    /// `A²` by lamella node.
     pub(crate) interference: Vec<f64>,
-    /// `factor(a) · S² · cos²(theta)` by lamella node.
     pub(crate) diffraction: Vec<f64>,
-    /// R of the reading's polarization by stack node.
     pub(crate) stack: Vec<f64>,
-    /// L by lobe node.
     pub(crate) lobe: Vec<f64>,
+}
+
+/// [`Terms`] by reference: a search joins terms that many points share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TermsView<'a> {
+    /// `A²` by lamella node.
+    pub(crate) interference: &'a [f64],
+    /// `factor(a) · S² · cos²(theta)` by lamella node.
+    pub(crate) diffraction: &'a [f64],
+    /// R of the reading's polarization by stack node.
+    pub(crate) stack: &'a [f64],
+    /// L by lobe node.
+    pub(crate) lobe: &'a [f64],
+}
+
+impl Terms {
+    pub(crate) fn view(&self) -> TermsView<'_> {
+        TermsView {
+            interference: &self.interference,
+            diffraction: &self.diffraction,
+            stack: &self.stack,
+            lobe: &self.lobe,
+        }
+    }
 }
 
 impl<'a> Plan<'a> {
@@ -86,14 +108,16 @@ impl<'a> Plan<'a> {
         let mut plan = Self {
             model,
             stack: Vec::new(),
-            lamella: Vec::new(),
+            half_kv: Vec::new(),
+            half_ku: Vec::new(),
+            obliquity: Vec::new(),
             lobe: Vec::new(),
             readings: Vec::with_capacity(rows.len()),
             curves: data.curves().len(),
         };
-        let mut stack_index = HashMap::new();
-        let mut lamella_index = HashMap::new();
-        let mut lobe_index = HashMap::new();
+        let mut stack_index = FxHashMap::default();
+        let mut lamella_index = FxHashMap::default();
+        let mut lobe_index = FxHashMap::default();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
             let (share_a, share_b) = reading.geometry.plane_shares();
@@ -111,8 +135,11 @@ impl<'a> Plan<'a> {
             if share_a > 0.0 {
                 let key = (wavelength.to_bits(), theta.to_bits(), phi.to_bits());
                 planned.lamella = *lamella_index.entry(key).or_insert_with(|| {
-                    plan.lamella.push(LamellaNode::new(wavelength, theta, phi));
-                    plan.lamella.len() - 1
+                    let node = LamellaNode::new(wavelength, theta, phi);
+                    plan.half_kv.push(node.half_kv);
+                    plan.half_ku.push(node.half_ku);
+                    plan.obliquity.push(node.obliquity);
+                    plan.half_kv.len() - 1
                 });
             }
             if share_b > 0.0 {
@@ -155,7 +182,7 @@ impl<'a> Plan<'a> {
     /// Whether some reading sees Model A.
     #[must_use]
     pub fn has_lamella(&self) -> bool {
-        !self.lamella.is_empty()
+        !self.half_kv.is_empty()
     }
 
     /// Whether some reading sees Model B.
@@ -165,13 +192,12 @@ impl<'a> Plan<'a> {
     }
 
     pub(crate) fn interference(&self, period: f64) -> Vec<f64> {
-        let layers = self.model.stack().layers;
-        self.lamella.iter().map(|node| node.interference(period, layers)).collect()
+        lamella::interference(&self.half_kv, period, self.model.stack().layers)
     }
 
     pub(crate) fn diffraction(&self, lamella_width: f64) -> Vec<f64> {
         let factor = self.model.lamella_factor(lamella_width);
-        self.lamella.iter().map(|node| factor * node.obliquity * node.diffraction(lamella_width)).collect()
+        lamella::diffraction(&self.half_ku, &self.obliquity, lamella_width, factor)
     }
 
     /// NaN where the model has no answer, which a fit reads as a forbidden point.
@@ -201,7 +227,7 @@ impl<'a> Plan<'a> {
 
     /// `(I_A cos² omega, I_B sin² omega)` of a reading.
     #[inline]
-    pub(crate) fn parts(&self, reading: &PlannedReading, terms: &Terms) -> (f64, f64) {
+    pub(crate) fn parts(&self, reading: &PlannedReading, terms: TermsView<'_>) -> (f64, f64) {
         let a = if reading.share_a > 0.0 {
             reading.share_a * terms.interference[reading.lamella] * terms.diffraction[reading.lamella]
         } else {

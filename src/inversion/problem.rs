@@ -77,14 +77,14 @@ impl<'a> Problem<'a> {
             return None;
         }
         let terms = self.plan.terms(&values);
-        let coefficients = self.linear.normal_equations(self.plan, &terms, self.robust).solve();
+        let coefficients = self.linear.best(self.plan, terms.view(), self.robust);
         Some(Evaluation { free: free.clone(), values, terms, coefficients })
     }
 
     fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
         DVector::from_fn(self.plan.len(), |row, _| {
             let reading = &self.plan.readings[row];
-            let parts = self.plan.parts(reading, &point.terms);
+            let parts = self.plan.parts(reading, point.terms.view());
             self.weight(row) * (self.linear.value(reading.curve, parts, &point.coefficients) - reading.intensity)
         })
     }
@@ -117,32 +117,38 @@ impl<'a> Problem<'a> {
 
         let terms = &point.terms;
         let mut all = DMatrix::zeros(plan.len(), COUNT);
+        let at = |values: &Option<DVector<f64>>, index: usize| values.as_ref().map_or(0.0, |values| values[index]);
         for (row, reading) in plan.readings.iter().enumerate() {
             let (on_a, on_b, _) = self.linear.factors(reading.curve, &point.coefficients);
             let weight = self.weight(row);
-            let at = |values: &Option<DVector<f64>>, index: usize| values.as_ref().map_or(0.0, |values| values[index]);
+            let mut slope = [0.0; COUNT];
             if reading.share_a > 0.0 {
+                let node = reading.lamella;
                 let factor = weight * on_a * reading.share_a;
-                let by_period = factor * at(&period, reading.lamella) * terms.diffraction[reading.lamella];
-                all[(row, 0)] += by_period;
-                all[(row, 1)] += by_period;
-                all[(row, 4)] += factor * terms.interference[reading.lamella] * at(&width, reading.lamella);
+                let by_period = factor * at(&period, node) * terms.diffraction[node];
+                slope[0] += by_period;
+                slope[1] += by_period;
+                slope[4] += factor * terms.interference[node] * at(&width, node);
             }
             if reading.share_b > 0.0 {
+                let (node, direction) = (reading.stack, reading.lobe);
                 let factor = weight * on_b * reading.share_b;
-                let (r, l) = (terms.stack[reading.stack], terms.lobe[reading.lobe]);
-                all[(row, 0)] += factor * l * at(&stack[0], reading.stack);
-                all[(row, 1)] += factor * l * at(&stack[1], reading.stack);
-                all[(row, 2)] += factor * (l * at(&stack[2], reading.stack) + r * at(&lobe[0], reading.lobe));
-                all[(row, 3)] += factor * r * at(&lobe[1], reading.lobe);
+                let (r, l) = (terms.stack[node], terms.lobe[direction]);
+                slope[0] += factor * l * at(&stack[0], node);
+                slope[1] += factor * l * at(&stack[1], node);
+                slope[2] += factor * (l * at(&stack[2], node) + r * at(&lobe[0], direction));
+                slope[3] += factor * r * at(&lobe[1], direction);
+            }
+            for (column, slope) in slope.into_iter().enumerate() {
+                all[(row, column)] = slope;
             }
         }
-        all * self.freedom.matrix()
+        if self.freedom.is_all_free() { all } else { all * self.freedom.matrix() }
     }
 
     /// The linear columns in use at `point`, weighted, `[m, q]`.
     pub(crate) fn design(&self, point: &Evaluation) -> DMatrix<f64> {
-        self.linear.design(self.plan, &point.terms, |row, _| self.weight(row), &point.coefficients)
+        self.linear.design(self.plan, point.terms.view(), |row, _| self.weight(row), &point.coefficients)
     }
 
     /// Derivatives by free parameters and by the nuisances in use, `[m, n + q]`: the full problem's Jacobian.

@@ -5,13 +5,13 @@
 
 use crate::inversion::nuisance::LinearPart;
 use crate::inversion::parameter::{COUNT, Freedom, Parameter, Role};
-use crate::inversion::plan::{Plan, Terms};
+use crate::inversion::plan::{Plan, TermsView};
 use crate::inversion::problem::Problem;
-use crate::inversion::settings::{FitSettings, Search};
+use crate::inversion::settings::FitSettings;
 use crate::optimise::{Bounds, Minimum, Tolerances, merge_equal, multistart};
 use nalgebra::DVector;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Spacing of the grid in each thickness, nm. A fringe of nine layers is about 40 nm of thickness wide; at 28 nm one
 /// truth in a few hundred is missed, below 10 nm the grid costs more than all polishing.
@@ -25,13 +25,18 @@ const LOBES: usize = 3;
 /// Lamella widths on the grid, evenly on a logarithmic scale.
 const WIDTHS: usize = 4;
 /// Cells polished.
-const POLISHED: usize = 32;
+const POLISHED: usize = 24;
 /// Of these the best, whose swap partners are polished too.
 const SWAPPED: usize = 8;
 /// Random starts beside the grid, against structure in the landscape that follows the grid.
 const RANDOM: usize = 8;
 /// Minima of the first polish that are refined on all data.
 const REFINED: usize = 10;
+
+/// Of these, so many are refined however bad they are.
+const ALWAYS_REFINED: usize = 3;
+/// A rough minimum with so many times the sum of squares of the best is not refined.
+const HOPELESS: f64 = 3.0;
 
 /// Tolerances of the first polish: enough to rank the minima.
 const COARSE: Tolerances = Tolerances { cost: 1e-4, step: 1e-5, gradient: 1e-8, max_evaluations: 60 };
@@ -65,11 +70,11 @@ impl Space {
     }
 }
 
-/// The distinct minima, best first.
+/// The distinct minima, best first: of the whole box by way of the readings in `thin`, or from the start alone.
 pub(crate) fn minima(
     settings: &FitSettings,
     space: &Space,
-    thin: &Plan<'_>,
+    thin: Option<&Plan<'_>>,
     plan: &Plan<'_>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Vec<Minimum> {
@@ -79,9 +84,9 @@ pub(crate) fn minima(
         let problem = || Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, &[]);
         merge_equal(multistart(problem, starts, tolerances), &space.scales)
     };
-    if settings.search == Search::Local {
+    let Some(thin) = thin else {
         return runs(plan, &linear, &[start], FINE);
-    }
+    };
     let thin_linear = LinearPart::new(&settings.nuisances, thin);
     progress("searching the grid");
     let cells = grid(space, thin, &thin_linear);
@@ -93,7 +98,12 @@ pub(crate) fn minima(
     starts.extend(space.bounds.latin_hypercube(RANDOM, settings.seed));
     progress("polishing the best cells");
     let rough = runs(thin, &thin_linear, &starts, COARSE);
-    let refined: Vec<DVector<f64>> = rough.iter().take(REFINED).map(|run| run.parameters.clone()).collect();
+    let hopeless = HOPELESS * rough.first().map_or(0.0, Minimum::sum_of_squares);
+    let refined: Vec<DVector<f64>> = (rough.iter().enumerate())
+        .filter(|(place, run)| *place < ALWAYS_REFINED || run.sum_of_squares() < hopeless)
+        .map(|(_, run)| run.parameters.clone())
+        .take(REFINED)
+        .collect();
     progress("refining the minima");
     runs(plan, &linear, &refined, FINE)
 }
@@ -188,8 +198,8 @@ fn grid(space: &Space, plan: &Plan<'_>, linear: &LinearPart) -> Vec<Cell> {
     };
     let key = |value: f64| value.to_bits();
     // Lobes and slits are the same in every cell, unless they are linked to a thickness: compute them once.
-    let mut lobes: HashMap<(u64, u64), Vec<f64>> = HashMap::new();
-    let mut slits: HashMap<u64, Vec<f64>> = HashMap::new();
+    let mut lobes: FxHashMap<(u64, u64), Vec<f64>> = FxHashMap::default();
+    let mut slits: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
     let outers = combinations(&axes[..outer]);
     for values in outers.iter().take(1).flat_map(|outer| inner.iter().map(|inner| full(outer, inner))) {
         lobes.entry((key(values[2]), key(values[3]))).or_insert_with(|| plan.lobe(values[2], values[3]));
@@ -197,9 +207,9 @@ fn grid(space: &Space, plan: &Plan<'_>, linear: &LinearPart) -> Vec<Cell> {
     }
     let cell = |outer: &Vec<f64>| {
         let mut best = Cell { cost: f64::INFINITY, values: [f64::NAN; COUNT] };
-        let mut terms = Terms::default();
-        let mut stacks: HashMap<u64, Vec<f64>> = HashMap::new();
-        for (count, inner) in inner.iter().enumerate() {
+        let mut interference = None;
+        let mut stacks: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
+        for inner in &inner {
             let values = full(outer, inner);
             let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = values;
             let inside = Parameter::ALL.iter().zip(&values).all(|(parameter, value)| {
@@ -209,19 +219,26 @@ fn grid(space: &Space, plan: &Plan<'_>, linear: &LinearPart) -> Vec<Cell> {
             if !inside {
                 continue;
             }
-            if count == 0 || terms.interference.is_empty() {
-                terms.interference = plan.interference(d_air + d_cuticle);
-            }
-            terms.stack.clone_from(stacks.entry(key(delta)).or_insert_with(|| plan.stack(d_air, d_cuticle, delta)));
-            match lobes.get(&(key(delta), key(phi_alpha))) {
-                Some(lobe) => terms.lobe.clone_from(lobe),
-                None => terms.lobe = plan.lobe(delta, phi_alpha),
-            }
-            match slits.get(&key(lamella_width)) {
-                Some(slit) => terms.diffraction.clone_from(slit),
-                None => terms.diffraction = plan.diffraction(lamella_width),
-            }
-            let sums = linear.normal_equations(plan, &terms, &[]);
+            let (own_lobe, own_slit);
+            let terms = TermsView {
+                interference: interference.get_or_insert_with(|| plan.interference(d_air + d_cuticle)),
+                stack: stacks.entry(key(delta)).or_insert_with(|| plan.stack(d_air, d_cuticle, delta)),
+                lobe: match lobes.get(&(key(delta), key(phi_alpha))) {
+                    Some(lobe) => lobe,
+                    None => {
+                        own_lobe = plan.lobe(delta, phi_alpha);
+                        &own_lobe
+                    }
+                },
+                diffraction: match slits.get(&key(lamella_width)) {
+                    Some(slit) => slit,
+                    None => {
+                        own_slit = plan.diffraction(lamella_width);
+                        &own_slit
+                    }
+                },
+            };
+            let sums = linear.normal_equations(plan, terms, &[]);
             let cost = sums.sum_of_squares(&sums.solve());
             if cost < best.cost {
                 best = Cell { cost, values };

@@ -129,6 +129,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         identifiability,
         nuisance: uncertainty.nuisances(found, &point),
         termination: found.best.termination,
+        evaluations: found.best.evaluations,
         settings: found.settings.clone(),
         seed: found.settings.seed,
         program: concat!("morpho-fit ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -147,7 +148,7 @@ fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> 
         unit_of_residuals(found.data, found.best.sum_of_squares(), found.plan.len() - point.coefficients.len());
     (found.plan.readings.iter())
         .map(|reading| {
-            let parts = found.plan.parts(reading, &point.terms);
+            let parts = found.plan.parts(reading, point.terms.view());
             let (on_a, on_b, background) = found.linear.factors(reading.curve, &point.coefficients);
             let (lamella, multilayer) = (on_a * parts.0, on_b * parts.1);
             let model = lamella + multilayer + background;

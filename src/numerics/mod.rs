@@ -1,3 +1,4 @@
 //! Numerical methods that know neither physics nor colour, without I/O.
 
 pub mod nonnegative;
+pub mod trigonometry;

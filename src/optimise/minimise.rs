@@ -102,6 +102,6 @@ fn is_flat<L: LeastSquares + ?Sized>(
     if !scaled.iter().all(|value| value.is_finite()) {
         return true;
     }
-    let singular = scaled.singular_values();
+    let singular = scaled.qr().r().singular_values();
     singular.iter().any(|&value| value <= FLAT * singular.max())
 }

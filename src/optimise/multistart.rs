@@ -19,7 +19,12 @@ pub fn multistart<L: LeastSquares>(
     starts: &[DVector<f64>],
     tolerances: Tolerances,
 ) -> Vec<Minimum> {
-    starts.par_iter().map(|start| minimise(&problem(), start, tolerances)).collect()
+    let run = |start: &DVector<f64>| minimise(&problem(), start, tolerances);
+    match starts {
+        // A batch of single runs brings its own threads, or wants none.
+        [only] => vec![run(only)],
+        _ => starts.par_iter().map(run).collect(),
+    }
 }
 
 /// The distinct minima, best first; of equal ones the lowest is kept.

@@ -65,7 +65,8 @@ impl Identifiability {
                 column.fill(0.0);
             }
         }
-        let svd = scaled.svd(false, true);
+        // R has the singular values of the tall matrix, and is small.
+        let svd = scaled.qr().r().svd(false, true);
         let mut directions: Vec<Direction> = Vec::with_capacity(n);
         if let Some(v_t) = svd.v_t {
             for (k, &value) in svd.singular_values.iter().enumerate() {
