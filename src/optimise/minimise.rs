@@ -95,6 +95,9 @@ fn is_flat<L: LeastSquares + ?Sized>(
             !pressed
         })
         .collect();
+    if free.is_empty() {
+        return false;
+    }
     let mut scaled = jacobian.select_columns(&free);
     for (c, &j) in free.iter().enumerate() {
         scaled.column_mut(c).scale_mut(problem.scales()[j].max(parameters[j].abs()));

@@ -65,6 +65,9 @@ impl Identifiability {
                 column.fill(0.0);
             }
         }
+        if n == 0 || scaled.nrows() == 0 {
+            return Self { directions: Vec::new(), rank: 0, condition: 1.0 };
+        }
         // R has the singular values of the tall matrix, and is small.
         let svd = scaled.qr().r().svd(false, true);
         let mut directions: Vec<Direction> = Vec::with_capacity(n);
