@@ -80,10 +80,30 @@ impl Scan {
         }
     }
 
-    /// The smallest design that determines all five parameters: a spectrum and an angular scan in each plane, 172 readings.
-    #[must_use]
-    pub fn full_design() -> Vec<Self> {
-        [0.0, 90.0].into_iter().flat_map(|omega| [Self::spectrum(omega), Self::angular(440.0, omega)]).collect()
+    /// The smallest design that determines all five parameters: in each plane a spectrum, and an angular scan at its
+    /// peak, 172 readings.
+    ///
+    /// As an experimenter would: a scan at a wavelength that the structure does not reflect tells nothing.
+    ///
+    /// # Errors
+    /// [`OpticsError`] if the model has no value for the structure.
+    pub fn full_design(model: &dyn ReflectivityModel, structure: &Structure) -> Result<Vec<Self>, OpticsError> {
+        let mut scans = Vec::new();
+        for omega_deg in [0.0, 90.0] {
+            let spectrum = Self::spectrum(omega_deg);
+            // On the mirror direction of the plane: the peak does not depend on what the lobe lets through.
+            let phi = if omega_deg > 0.0 { 2.0 * structure.delta } else { 0.0 };
+            let geometry = Geometry { theta: 0.0, phi, omega: radians(omega_deg) };
+            let mut peak = (f64::NEG_INFINITY, 0.0);
+            for &wavelength in &spectrum.wavelengths {
+                let value = model.reflectivity(structure, &geometry, spectrum.polarization, wavelength)?;
+                if value > peak.0 {
+                    peak = (value, wavelength);
+                }
+            }
+            scans.extend([spectrum, Self::angular(peak.1, omega_deg)]);
+        }
+        Ok(scans)
     }
 }
 
@@ -104,7 +124,8 @@ impl Scan {
 /// ```
 /// use morpho_fit::optics::{BlendModel, Structure};
 /// use morpho_fit::synthetic::{Scan, simulate};
-/// let data = simulate(&BlendModel::default(), &Structure::blue(), &Scan::full_design(), 1.0, 0.01, 1)?;
+/// let (model, blue) = (BlendModel::default(), Structure::blue());
+/// let data = simulate(&model, &blue, &Scan::full_design(&model, &blue)?, 1.0, 0.01, 1)?;
 /// assert_eq!(data.readings().len(), 172);
 /// # Ok::<(), morpho_fit::synthetic::SimulationError>(())
 /// ```

@@ -64,8 +64,8 @@ const SETTLED: f64 = 1e-9;
 /// use morpho_fit::optics::{BlendModel, Structure};
 /// use morpho_fit::synthetic::{Scan, simulate};
 ///
-/// let model = BlendModel::default();
-/// let data = simulate(&model, &Structure::blue(), &Scan::full_design(), 1.0, 0.01, 7)?;
+/// let (model, blue) = (BlendModel::default(), Structure::blue());
+/// let data = simulate(&model, &blue, &Scan::full_design(&model, &blue)?, 1.0, 0.01, 7)?;
 /// let found = fit(&data, &FitSettings::default(), &|_| {})?;
 /// let d_air = &found.outcome.parameters.d_air;
 /// assert!((d_air.value.unwrap() - 141.0).abs() < 4.0 * d_air.sigma.unwrap());
@@ -85,7 +85,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     if plan.len() <= unknowns {
         return Err(FitError::TooFewReadings { readings: plan.len(), unknowns });
     }
-    let mut minima = search::minima(settings, &space, thin.as_ref(), &plan, progress);
+    let mut minima = search::minima(settings, &space, thin.as_ref(), &plan, data.has_sigma(), progress);
     let robust = if settings.loss == Loss::Linear {
         Vec::new()
     } else {

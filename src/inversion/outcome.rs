@@ -24,6 +24,8 @@ pub enum Status {
     OneSided,
     /// Determined, but almost only together with another parameter.
     Correlated,
+    /// Another minimum with another value fits as well.
+    Ambiguous,
     /// Nothing in the data depends on it.
     Insensitive,
     /// Enters the data only in a combination with others, or weaker than the noise.
@@ -41,6 +43,7 @@ impl Status {
             Self::AtBound => "at bound",
             Self::OneSided => "one-sided",
             Self::Correlated => "correlated",
+            Self::Ambiguous => "ambiguous",
             Self::Insensitive => "insensitive",
             Self::NotIdentifiable => "not identifiable",
         }
@@ -70,6 +73,8 @@ pub struct Estimate {
     pub interval_68: Option<[Option<f64>; 2]>,
     /// Interval of 95 %.
     pub interval_95: Option<[Option<f64>; 2]>,
+    /// Values at other minima that fit as well; empty unless the status is ambiguous.
+    pub others: Vec<f64>,
     /// The value used for the curves where the data determine none.
     pub held_at: Option<f64>,
     /// Bounds of the fit; `None` if it was not free.

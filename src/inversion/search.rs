@@ -8,7 +8,8 @@ use crate::inversion::parameter::{COUNT, Freedom, Parameter, Role};
 use crate::inversion::plan::{Plan, TermsView};
 use crate::inversion::problem::Problem;
 use crate::inversion::settings::FitSettings;
-use crate::optimise::{Bounds, Minimum, Tolerances, merge_equal, multistart};
+use crate::optimise::{Bounds, Minimum, Tolerances, merge_equal, merge_near, multistart};
+use crate::uncertainty::goodness::excess;
 use nalgebra::DVector;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use rustc_hash::FxHashMap;
@@ -18,12 +19,8 @@ use rustc_hash::FxHashMap;
 const THICKNESS_STEP: f64 = 14.0;
 /// Cells of thickness at most; wider bounds get a coarser grid.
 const MAX_CELLS: usize = 6000;
-/// Tilts on the grid.
-const TILTS: usize = 5;
-/// Lobe widths on the grid, evenly on a logarithmic scale.
-const LOBES: usize = 3;
-/// Lamella widths on the grid, evenly on a logarithmic scale.
-const WIDTHS: usize = 4;
+/// Tilts, lobe widths and lamella widths on the grid; the widths evenly on a logarithmic scale.
+const COARSER: [usize; 3] = [5, 3, 4];
 /// Cells polished.
 const POLISHED: usize = 24;
 /// Of these the best, whose swap partners are polished too.
@@ -38,10 +35,24 @@ const ALWAYS_REFINED: usize = 3;
 /// A rough minimum with so many times the sum of squares of the best is not refined.
 const HOPELESS: f64 = 3.0;
 
+/// Refined minima nearer than this share of a change that matters are one: the kinks of the lobe at its edges leave
+/// several little ones about each.
+const APART: f64 = 0.2;
+/// Inner grid of the cells that are polished: tilts, lobe widths, lamella widths.
+const FINER: [usize; 3] = [13, 5, 5];
+/// Mirror images in the tilt are polished for so many of the best cells: many designs cannot tell its sign.
+const MIRRORED: usize = 4;
+
+/// A best minimum whose chi² exceeds the stated noise by so many standard deviations may not be the best.
+const SUSPICIOUS: f64 = 2.0;
+/// Then the search is done again, so many times as deep.
+const DEEPER: usize = 6;
+
 /// Tolerances of the first polish: enough to rank the minima.
-const COARSE: Tolerances = Tolerances { cost: 1e-4, step: 1e-5, gradient: 1e-8, max_evaluations: 60 };
+const COARSE: Tolerances = Tolerances { cost: 1e-4, step: 1e-5, gradient: 1e-8, max_evaluations: 60, escapes: 0 };
 /// Tolerances of the last: the cost to 1e-10 of itself, far below what noise can tell.
-pub(crate) const FINE: Tolerances = Tolerances { cost: 1e-10, step: 1e-10, gradient: 1e-13, max_evaluations: 400 };
+pub(crate) const FINE: Tolerances =
+    Tolerances { cost: 1e-10, step: 1e-10, gradient: 1e-13, max_evaluations: 400, escapes: 20 };
 
 /// What a search needs to know, compiled.
 #[derive(Debug)]
@@ -76,6 +87,7 @@ pub(crate) fn minima(
     space: &Space,
     thin: Option<&Plan<'_>>,
     plan: &Plan<'_>,
+    has_sigma: bool,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Vec<Minimum> {
     let linear = LinearPart::new(&settings.nuisances, plan);
@@ -90,22 +102,45 @@ pub(crate) fn minima(
     let thin_linear = LinearPart::new(&settings.nuisances, thin);
     progress("searching the grid");
     let cells = grid(space, thin, &thin_linear);
-    let mut starts = vec![start];
-    let best: Vec<&Cell> = cells.iter().take(POLISHED).collect();
-    starts.extend(best.iter().map(|cell| space.freedom.restrict(&cell.values)));
+    let mut found = Vec::new();
+    for effort in [1, DEEPER] {
+        let mut starts = vec![start.clone()];
+        starts.extend(starts_from(settings, space, thin, &thin_linear, &cells, effort));
+        progress("polishing the best cells");
+        let rough = runs(thin, &thin_linear, &starts, COARSE);
+        let hopeless = HOPELESS * rough.first().map_or(0.0, Minimum::sum_of_squares);
+        let refined: Vec<DVector<f64>> = (rough.iter().enumerate())
+            .filter(|(place, run)| *place < ALWAYS_REFINED * effort || run.sum_of_squares() < hopeless)
+            .map(|(_, run)| run.parameters.clone())
+            .take(REFINED * effort)
+            .collect();
+        progress("refining the minima");
+        found.extend(runs(plan, &linear, &refined, FINE));
+        let best = found.iter().map(Minimum::sum_of_squares).fold(f64::INFINITY, f64::min);
+        if !has_sigma || excess(best, plan.len().saturating_sub(space.freedom.free.len())) < SUSPICIOUS {
+            break;
+        }
+    }
+    merge_near(found, &space.scales, APART)
+}
+
+/// What is polished: the best cells of the grid, the swap partners and mirror images of the best of these, and random
+/// points; `effort` times as many of each as usual.
+fn starts_from(
+    settings: &FitSettings,
+    space: &Space,
+    thin: &Plan<'_>,
+    linear: &LinearPart,
+    cells: &[Cell],
+    effort: usize,
+) -> Vec<DVector<f64>> {
+    let best = finer(space, thin, linear, &cells[..cells.len().min(effort * POLISHED)]);
+    let mut starts: Vec<DVector<f64>> = best.iter().map(|cell| space.freedom.restrict(&cell.values)).collect();
     let ratio = index_ratio(settings);
-    starts.extend(best.iter().take(SWAPPED).filter_map(|cell| swap_partner(&cell.values, ratio, space)));
-    starts.extend(space.bounds.latin_hypercube(RANDOM, settings.seed));
-    progress("polishing the best cells");
-    let rough = runs(thin, &thin_linear, &starts, COARSE);
-    let hopeless = HOPELESS * rough.first().map_or(0.0, Minimum::sum_of_squares);
-    let refined: Vec<DVector<f64>> = (rough.iter().enumerate())
-        .filter(|(place, run)| *place < ALWAYS_REFINED || run.sum_of_squares() < hopeless)
-        .map(|(_, run)| run.parameters.clone())
-        .take(REFINED)
-        .collect();
-    progress("refining the minima");
-    runs(plan, &linear, &refined, FINE)
+    starts.extend(best.iter().take(effort * SWAPPED).filter_map(|cell| swap_partner(&cell.values, ratio, space)));
+    starts.extend(best.iter().take(effort * MIRRORED).filter_map(|cell| mirrored(&cell.values, space)));
+    starts.extend(space.bounds.latin_hypercube(effort * RANDOM, settings.seed));
+    starts
 }
 
 /// The user's start, completed by the middle of the bounds.
@@ -129,6 +164,14 @@ fn swap_partner(values: &[f64; COUNT], ratio: f64, space: &Space) -> Option<DVec
     space.bounds.contain(&free).then_some(free)
 }
 
+/// The structure tilted the other way.
+fn mirrored(values: &[f64; COUNT], space: &Space) -> Option<DVector<f64>> {
+    let mut mirrored = *values;
+    mirrored[2] = -mirrored[2];
+    let free = space.freedom.restrict(&mirrored);
+    space.bounds.contain(&free).then_some(free)
+}
+
 /// One cell of the grid: its best point and the sum of squares there.
 #[derive(Debug, Clone)]
 struct Cell {
@@ -148,7 +191,9 @@ fn middles(lower: f64, upper: f64, count: usize, by_ratio: bool) -> Vec<f64> {
 }
 
 /// Grid values of each free parameter; one value where the data cannot see it.
-fn axes(space: &Space, plan: &Plan<'_>) -> Vec<Vec<f64>> {
+///
+/// - `counts`: tilts, lobe widths, lamella widths.
+fn axes(space: &Space, plan: &Plan<'_>, counts: [usize; 3]) -> Vec<Vec<f64>> {
     let is_thickness = |parameter: &Parameter| matches!(parameter, Parameter::DAir | Parameter::DCuticle);
     let thicknesses: Vec<f64> = (space.freedom.free.iter())
         .zip(&space.ranges)
@@ -169,9 +214,9 @@ fn axes(space: &Space, plan: &Plan<'_>) -> Vec<Vec<f64>> {
                     let count = count.ceil() as usize;
                     (count, false)
                 }
-                Parameter::Delta if plan.has_multilayer() => (TILTS, false),
-                Parameter::PhiAlpha if plan.has_multilayer() => (LOBES, true),
-                Parameter::LamellaWidth if plan.has_lamella() => (WIDTHS, true),
+                Parameter::Delta if plan.has_multilayer() => (counts[0], false),
+                Parameter::PhiAlpha if plan.has_multilayer() => (counts[1], true),
+                Parameter::LamellaWidth if plan.has_lamella() => (counts[2], true),
                 Parameter::Delta | Parameter::PhiAlpha | Parameter::LamellaWidth => (1, false),
             };
             middles(lower, upper, count, by_ratio)
@@ -189,9 +234,26 @@ fn combinations(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
 
 /// The grid's cells of thickness, each with the best of its other parameters, best first.
 fn grid(space: &Space, plan: &Plan<'_>, linear: &LinearPart) -> Vec<Cell> {
-    let axes = axes(space, plan);
-    let outer = space.freedom.free.iter().take_while(|p| matches!(p, Parameter::DAir | Parameter::DCuticle)).count();
-    let inner = combinations(&axes[outer..]);
+    let axes = axes(space, plan, COARSER);
+    let outer = thicknesses(space);
+    scan(space, plan, linear, &combinations(&axes[..outer]), &combinations(&axes[outer..]))
+}
+
+/// The same thicknesses with a finer grid of the other parameters.
+fn finer(space: &Space, plan: &Plan<'_>, linear: &LinearPart, cells: &[Cell]) -> Vec<Cell> {
+    let axes = axes(space, plan, FINER);
+    let outer = thicknesses(space);
+    let of = |cell: &Cell| space.freedom.restrict(&cell.values).as_slice()[..outer].to_vec();
+    scan(space, plan, linear, &cells.iter().map(of).collect::<Vec<_>>(), &combinations(&axes[outer..]))
+}
+
+/// How many of the free parameters are thicknesses; they come first.
+fn thicknesses(space: &Space) -> usize {
+    space.freedom.free.iter().take_while(|p| matches!(p, Parameter::DAir | Parameter::DCuticle)).count()
+}
+
+/// A cell for each of `outers`, the thicknesses, with the best of the other parameters in `inner`; best first.
+fn scan(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>], inner: &[Vec<f64>]) -> Vec<Cell> {
     let full = |outer: &[f64], inner: &[f64]| {
         let free = DVector::from_iterator(outer.len() + inner.len(), outer.iter().chain(inner).copied());
         space.freedom.expand(&free)
@@ -200,7 +262,6 @@ fn grid(space: &Space, plan: &Plan<'_>, linear: &LinearPart) -> Vec<Cell> {
     // Lobes and slits are the same in every cell, unless they are linked to a thickness: compute them once.
     let mut lobes: FxHashMap<(u64, u64), Vec<f64>> = FxHashMap::default();
     let mut slits: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
-    let outers = combinations(&axes[..outer]);
     for values in outers.iter().take(1).flat_map(|outer| inner.iter().map(|inner| full(outer, inner))) {
         lobes.entry((key(values[2]), key(values[3]))).or_insert_with(|| plan.lobe(values[2], values[3]));
         slits.entry(key(values[4])).or_insert_with(|| plan.diffraction(values[4]));
@@ -209,7 +270,7 @@ fn grid(space: &Space, plan: &Plan<'_>, linear: &LinearPart) -> Vec<Cell> {
         let mut best = Cell { cost: f64::INFINITY, values: [f64::NAN; COUNT] };
         let mut interference = None;
         let mut stacks: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
-        for inner in &inner {
+        for inner in inner {
             let values = full(outer, inner);
             let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = values;
             let inside = Parameter::ALL.iter().zip(&values).all(|(parameter, value)| {

@@ -24,8 +24,12 @@ use nalgebra::{DMatrix, DVector};
 const MISSED: f64 = 3.7;
 /// A correlation beyond this is a status of its own.
 const CORRELATED: f64 = 0.99;
-/// Minima within this chi² of the best fit as well: two standard deviations.
-const AS_GOOD: f64 = 4.0;
+/// Minima within this chi² of the best fit as well: three standard deviations of one parameter.
+const AS_GOOD: f64 = 9.0;
+/// A value at another minimum is another value if it lies off by more standard deviations than this, ...
+const ELSEWHERE: f64 = 3.0;
+/// ... and by more than this share of a change that matters.
+const NOTICEABLE: f64 = 0.2;
 /// Minima listed.
 const LISTED: usize = 10;
 /// A derived quantity that changes by more than this share along an undetermined direction is undetermined.
@@ -58,6 +62,24 @@ struct Uncertainty {
     columns: Vec<usize>,
     quantile_68: f64,
     quantile_95: f64,
+    /// Standard deviation of a weighted residual.
+    unit: f64,
+}
+
+/// Minima that fit as well as the best, itself left out.
+fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = &'a Minimum> {
+    let best = found.minima[0].sum_of_squares();
+    found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best < AS_GOOD * unit * unit)
+}
+
+/// Values of a parameter, user units, at other minima that fit as well, where they differ from the estimate.
+fn others(found: &Found<'_>, estimate: &Estimate, parameter: Parameter, unit: f64) -> Vec<f64> {
+    let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return Vec::new() };
+    let far = (ELSEWHERE * sigma).max(NOTICEABLE * parameter.outside(parameter.typical_change()));
+    as_good(found, unit)
+        .map(|minimum| parameter.outside(found.searched.freedom.expand(&minimum.parameters)[parameter.index()]))
+        .filter(|other| (other - value).abs() > far)
+        .collect()
 }
 
 pub(crate) fn summarise(found: &Found<'_>) -> Fit {
@@ -105,8 +127,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     }
     warnings.extend(identifiability.undetermined.iter().cloned());
     warnings.extend(warn_of_bounds(&estimates));
-    let others = if verdict == Verdict::NothingDetermined { None } else { warn_of_others(found, &minima, unit) };
-    warnings.extend(others);
+    warnings.extend(warn_of_others(found, &estimates, unit));
     let covariance = uncertainty.named_covariance(found);
     let (aicc, bic) = criteria(found.data.has_sigma(), chi2, found.plan.len(), unknowns);
     let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = estimates;
@@ -241,20 +262,17 @@ fn warn_of_bounds(estimates: &[Estimate; COUNT]) -> Vec<String> {
 }
 
 /// A warning if a minimum elsewhere fits as well as the best.
-fn warn_of_others(found: &Found<'_>, minima: &[MinimumFound], unit: f64) -> Option<String> {
-    // Where only a combination is determined the minima lie along it and are one answer.
-    if !found.held.is_empty() {
-        return None;
-    }
-    let best = minima.first()?;
-    let as_good: Vec<String> = (minima[1..].iter())
-        .filter(|other| (other.chi2 - best.chi2) / (unit * unit) < AS_GOOD)
-        .map(|other| format!("({:.1}, {:.1})", other.values[0], other.values[1]))
+fn warn_of_others(found: &Found<'_>, estimates: &[Estimate; COUNT], unit: f64) -> Option<String> {
+    let ambiguous: Vec<&str> = (Parameter::ALL.iter().zip(estimates))
+        .filter(|(_, estimate)| estimate.status == Status::Ambiguous)
+        .map(|(parameter, _)| parameter.name())
         .collect();
-    (!as_good.is_empty()).then(|| {
+    let minima = as_good(found, unit).count();
+    (!ambiguous.is_empty()).then(|| {
+        let (structures, fit) = if minima == 1 { ("structure", "fits") } else { ("structures", "fit") };
         format!(
-            "other structures fit as well: (d_air, d_cuticle) = {} nm; see `minima` in fit.json",
-            as_good.join(", ")
+            "{minima} other {structures} {fit} as well, with another {}: see `minima` in fit.json",
+            ambiguous.join(", ")
         )
     })
 }
@@ -291,6 +309,7 @@ impl Uncertainty {
             columns: in_use.to_vec(),
             quantile_68: quantile(ONE_SIGMA),
             quantile_95: quantile(NINETY_FIVE),
+            unit,
         }
     }
 
@@ -318,6 +337,7 @@ impl Uncertainty {
             with: Vec::new(),
             interval_68: None,
             interval_95: None,
+            others: Vec::new(),
             held_at: None,
             bounds: None,
         };
@@ -361,6 +381,10 @@ impl Uncertainty {
             if !estimate.with.is_empty() {
                 estimate.status = Status::Correlated;
             }
+        }
+        estimate.others = others(found, &estimate, parameter, self.unit);
+        if !estimate.others.is_empty() {
+            estimate.status = Status::Ambiguous;
         }
         estimate
     }
@@ -408,6 +432,7 @@ impl Uncertainty {
                 with: Vec::new(),
                 interval_68: None,
                 interval_95: None,
+                others: Vec::new(),
                 held_at: None,
                 bounds: None,
             };

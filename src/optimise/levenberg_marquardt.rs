@@ -27,13 +27,15 @@ pub struct Tolerances {
     pub gradient: f64,
     /// Evaluations of the residuals (those for derivatives apart) after which the run is ended.
     pub max_evaluations: usize,
+    /// How often a stalled run may look round for a lower neighbour and go on from there; for models with kinks.
+    pub escapes: usize,
 }
 
 impl Default for Tolerances {
-    /// To rounding, within 2000 evaluations.
+    /// To rounding, within 2000 evaluations, for smooth models.
     fn default() -> Self {
         let rounding = 30.0 * f64::EPSILON;
-        Self { cost: rounding, step: rounding, gradient: rounding, max_evaluations: 2000 }
+        Self { cost: rounding, step: rounding, gradient: rounding, max_evaluations: 2000, escapes: 0 }
     }
 }
 

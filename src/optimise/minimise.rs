@@ -10,6 +10,11 @@ use nalgebra::{DMatrix, DVector};
 /// carry an error of about 1e-10 of a column, so a smaller threshold would read noise as information.
 const FLAT: f64 = 1e-9;
 
+/// A neighbour is lower if its sum of squares is, by this share.
+const LOWER: f64 = 1e-9;
+/// Distances of neighbours in units of the parameters' scales.
+const NEIGHBOURS: [f64; 10] = [1e-1, -1e-1, 1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4, 1e-5, -1e-5];
+
 /// Where a run ended.
 #[derive(Debug, Clone)]
 pub struct Minimum {
@@ -58,6 +63,28 @@ impl Minimum {
 /// # Ok::<(), morpho_fit::optimise::BoundsError>(())
 /// ```
 pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tolerances: Tolerances) -> Minimum {
+    let mut found = descend(problem, start, tolerances);
+    for _ in 0..tolerances.escapes {
+        if found.termination != Termination::Stalled {
+            break;
+        }
+        match lower_neighbour(problem, &found) {
+            Some(neighbour) => {
+                let spent = found.evaluations;
+                found = descend(problem, &neighbour, tolerances);
+                found.evaluations += spent;
+            }
+            None => found.termination = Termination::Kink,
+        }
+    }
+    if found.termination.was_successful() && is_flat(problem, &found.parameters, &found.residuals, &found.jacobian) {
+        found.termination = Termination::Flat;
+    }
+    found
+}
+
+/// One run of the solver.
+fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tolerances: Tolerances) -> Minimum {
     let solver = LevenbergMarquardt::new(problem.bounds().clone(), tolerances);
     let run = Executor::new(ArgminProblem(problem), solver)
         .configure(|state| state.param(start.clone()).max_iters(u64::MAX))
@@ -74,9 +101,32 @@ pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tol
     };
     let residuals = problem.residuals(&parameters);
     let jacobian = problem.jacobian(&parameters);
-    let flat = termination.was_successful() && is_flat(problem, &parameters, &residuals, &jacobian);
-    let termination = if flat { Termination::Flat } else { termination };
     Minimum { parameters, residuals, jacobian, termination, evaluations }
+}
+
+/// The lowest of the points around a minimum, if one is lower: steps of several sizes along each parameter and along
+/// the principal directions of the problem.
+fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Option<DVector<f64>> {
+    let n = at.parameters.len();
+    let mut directions: Vec<DVector<f64>> =
+        (0..n).map(|j| DVector::from_fn(n, |i, _| if i == j { problem.scales()[j] } else { 0.0 })).collect();
+    let scaled = DMatrix::from_fn(at.jacobian.nrows(), n, |i, j| at.jacobian[(i, j)] * problem.scales()[j]);
+    if n > 0 && scaled.iter().all(|value| value.is_finite()) {
+        if let Some(v_t) = scaled.qr().r().svd(false, true).v_t {
+            directions.extend(v_t.row_iter().map(|row| row.transpose().component_mul(problem.scales())));
+        }
+    }
+    let mut lowest = (at.sum_of_squares() * (1.0 - LOWER), None);
+    for direction in &directions {
+        for size in NEIGHBOURS {
+            let point = problem.bounds().clamp(&(&at.parameters + direction * size));
+            let sum = problem.residuals(&point).norm_squared();
+            if sum < lowest.0 {
+                lowest = (sum, Some(point));
+            }
+        }
+    }
+    lowest.1
 }
 
 /// Whether some combination of the parameters inside the box does nothing.

@@ -22,6 +22,6 @@ pub use difference::{central_jacobian, derivative, step};
 pub use levenberg_marquardt::{LevenbergMarquardt, Tolerances};
 pub use loss::Loss;
 pub use minimise::{Minimum, minimise};
-pub use multistart::{merge_equal, multistart};
+pub use multistart::{merge_equal, merge_near, multistart};
 pub use objective::{ArgminProblem, LeastSquares};
 pub use termination::Termination;

@@ -27,18 +27,28 @@ pub fn multistart<L: LeastSquares>(
     }
 }
 
-/// The distinct minima, best first; of equal ones the lowest is kept.
+/// The distinct minima, best first; of equal ones, in place and cost, the lowest is kept.
 ///
 /// - `scales`: a change of each parameter that matters, `[n]`.
 #[must_use]
-pub fn merge_equal(mut runs: Vec<Minimum>, scales: &DVector<f64>) -> Vec<Minimum> {
+pub fn merge_equal(runs: Vec<Minimum>, scales: &DVector<f64>) -> Vec<Minimum> {
+    merge(runs, scales, SAME_PLACE, SAME_COST)
+}
+
+/// The minima that lie apart by more than `apart` scales in some parameter, best first; of near ones the lowest is kept.
+#[must_use]
+pub fn merge_near(runs: Vec<Minimum>, scales: &DVector<f64>, apart: f64) -> Vec<Minimum> {
+    merge(runs, scales, apart, f64::INFINITY)
+}
+
+fn merge(mut runs: Vec<Minimum>, scales: &DVector<f64>, place: f64, share: f64) -> Vec<Minimum> {
     runs.sort_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()));
     let mut distinct: Vec<Minimum> = Vec::new();
     for run in runs {
         let cost = run.sum_of_squares();
         let known = distinct.iter().any(|other| {
             let apart = (&run.parameters - &other.parameters).component_div(scales).amax();
-            apart <= SAME_PLACE && cost - other.sum_of_squares() <= SAME_COST * cost
+            apart <= place && cost - other.sum_of_squares() <= share * cost
         });
         if !known {
             distinct.push(run);

@@ -15,6 +15,8 @@ pub enum Termination {
     GradientConverged,
     /// Every residual is zero to rounding.
     ExactFit,
+    /// The slope does not vanish, but no neighbour is lower: a minimum on a kink of the model.
+    Kink,
     /// The minimum lies on a flat plateau: some parameter or combination does nothing there, so where the solver
     /// stopped along it means nothing.
     Flat,
@@ -32,7 +34,10 @@ impl Termination {
     /// Whether the run ended in a minimum.
     #[must_use]
     pub fn was_successful(self) -> bool {
-        matches!(self, Self::CostConverged | Self::StepConverged | Self::GradientConverged | Self::ExactFit)
+        matches!(
+            self,
+            Self::CostConverged | Self::StepConverged | Self::GradientConverged | Self::ExactFit | Self::Kink
+        )
     }
 
     /// The reason as a phrase for a report.
@@ -43,6 +48,7 @@ impl Termination {
             Self::StepConverged => "the step is below its tolerance",
             Self::GradientConverged => "the gradient is zero",
             Self::ExactFit => "the data are met exactly",
+            Self::Kink => "no neighbour is lower: a minimum on a kink of the model",
             Self::Flat => "the minimum is flat: a parameter does nothing there",
             Self::Stalled => "no step lowers the cost",
             Self::StartNotFinite => "the model has no finite value at the start",
