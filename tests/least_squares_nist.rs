@@ -1,4 +1,4 @@
-//! The solver on problems whose answers are certified: NIST StRD, and the traps of Moré, Garbow and Hillstrom.
+//! The solver on problems whose answers are certified: NIST `StRD`, and the traps of Moré, Garbow and Hillstrom.
 //!
 //! The score of a parameter is `LRE = -log10(|estimate - certified| / |certified|)`, about the number of right digits.
 

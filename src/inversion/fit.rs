@@ -1,6 +1,7 @@
 //! The fit: search, robust reweighting, what is determined, and the result.
 
 use crate::dataset::Dataset;
+use crate::inversion::estimates::Found;
 use crate::inversion::nuisance::LinearPart;
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::{COUNT, Parameter, Role};
@@ -8,7 +9,7 @@ use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
 use crate::inversion::search::{self, FINE, Space};
 use crate::inversion::settings::{FitSettings, Search, SettingsError};
-use crate::inversion::summary::{Found, summarise};
+use crate::inversion::summary::summarise;
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
 use crate::uncertainty::identifiability::Identifiability;
@@ -147,7 +148,8 @@ fn reweight(
                 minimum = minimise(&problem, &minimum.parameters, FINE);
                 residuals = plain(&weights, &minimum.parameters);
                 let now = cost(&residuals);
-                if !(last - now > SETTLED * last) {
+                let falls = last - now > SETTLED * last;
+                if !falls {
                     break;
                 }
                 last = now;

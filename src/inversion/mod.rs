@@ -1,5 +1,6 @@
 //! The inverse problem: from a measured data set to the structure that made it. The one join of optics, data and optimiser.
 
+mod estimates;
 mod fit;
 mod nuisance;
 mod outcome;

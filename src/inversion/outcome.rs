@@ -81,6 +81,32 @@ pub struct Estimate {
     pub bounds: Option<[f64; 2]>,
 }
 
+impl Estimate {
+    /// A value of which nothing else is known yet.
+    pub(crate) fn new(value: f64, unit: &str) -> Self {
+        Self {
+            value: Some(value),
+            unit: unit.to_owned(),
+            sigma: None,
+            status: Status::Ok,
+            with: Vec::new(),
+            interval_68: None,
+            interval_95: None,
+            others: Vec::new(),
+            held_at: None,
+            bounds: None,
+        }
+    }
+
+    /// Takes back a value that the data do not support.
+    pub(crate) fn withdraw(&mut self) {
+        self.status = Status::NotIdentifiable;
+        self.held_at = self.value.take().or(self.held_at);
+        (self.sigma, self.interval_68, self.interval_95) = (None, None, None);
+        self.others.clear();
+    }
+}
+
 /// The five parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {

@@ -88,8 +88,8 @@ impl Parameter {
         match self {
             Self::DAir | Self::DCuticle => (0.0, 1e6),
             Self::Delta => (-units::radians(89.0), units::radians(89.0)),
-            Self::PhiAlpha => (1e-3, 100.0),
-            Self::LamellaWidth => (1e-3, 1e7),
+            Self::PhiAlpha => (1e-3, std::f64::consts::PI),
+            Self::LamellaWidth => (1e-3, 1e6),
         }
     }
 

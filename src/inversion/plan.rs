@@ -105,6 +105,7 @@ impl<'a> Plan<'a> {
     }
 
     fn of_rows(data: &Dataset, model: &'a dyn ReflectivityModel, rows: &[usize]) -> Result<Self, OpticsError> {
+        model.validate()?;
         let mut plan = Self {
             model,
             stack: Vec::new(),

@@ -196,3 +196,50 @@ impl LeastSquares for Problem<'_> {
         slopes - q * along
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inversion::nuisance::{Extent, Nuisances, Weight};
+    use crate::inversion::search::Space;
+    use crate::inversion::settings::FitSettings;
+    use crate::optics::{BlendModel, Structure};
+    use crate::optimise::central_jacobian;
+    use crate::synthetic::{Scan, simulate};
+
+    /// The product rule over terms against differences of the whole, nuisances eliminated, at several points.
+    #[test]
+    fn slopes_by_terms_agree_with_differences_of_the_residuals() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let data = simulate(&model, &blue, &Scan::full_design(&model, &blue).unwrap(), 2.0, 0.0, 1).unwrap();
+        let plan = Plan::new(&data, &model).unwrap();
+        let settings = FitSettings::default();
+        let space = Space::new(&settings.roles).unwrap();
+        for (scale, weight, background) in [
+            (Extent::None, Weight::Fixed(0.7), Extent::None),
+            (Extent::Shared, Weight::Fitted, Extent::None),
+            (Extent::PerCurve, Weight::Fitted, Extent::Shared),
+        ] {
+            let linear = LinearPart::new(&Nuisances { scale, weight, background }, &plan);
+            let problem = Problem::new(&plan, &linear, &space.freedom, &space.bounds, &space.scales, &[]);
+            for point in [[141.0, 62.0, 0.04, 0.5, 300.0], [120.0, 75.0, -0.02, 0.7, 250.0]] {
+                let at = DVector::from_column_slice(&point);
+                // Golub and Pereyra's full Jacobian differs from Kaufman's by a term along the residuals' normal; both have
+                // the same gradient, and are equal where the residuals vanish, as at the truth without noise.
+                let (ours, whole) = (
+                    problem.jacobian(&at),
+                    central_jacobian(|p| problem.residuals(p), &at, &space.scales, &space.bounds),
+                );
+                let residuals = problem.residuals(&at);
+                let (gradient, expected) = (ours.tr_mul(&residuals), whole.tr_mul(&residuals));
+                for j in 0..5 {
+                    let size = ours.column(j).norm() * residuals.norm() + 1e-12;
+                    assert!((gradient[j] - expected[j]).abs() < 1e-6 * size, "{scale:?} {j}: {gradient} {expected}");
+                }
+                if scale == Extent::None {
+                    assert!((&ours - &whole).norm() < 1e-6 * whole.norm());
+                }
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! The choices of a fit, checked and complete: together with the data they give the same result to the last bit.
 
-use crate::inversion::nuisance::Nuisances;
+use crate::inversion::nuisance::{Nuisances, Weight};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::optics::{Admittance, BlendModel, LamellaUnit, PaperModel, ReflectivityModel, Snell, Stack};
 use crate::optimise::Loss;
@@ -181,10 +181,10 @@ impl FitSettings {
                 }
             }
         }
-        if let crate::inversion::nuisance::Weight::Fixed(found) = self.nuisances.weight {
-            if !(found.is_finite() && found >= 0.0) {
-                return Err(SettingsError::Weight { found });
-            }
+        if let Weight::Fixed(found) = self.nuisances.weight
+            && !(found.is_finite() && found >= 0.0)
+        {
+            return Err(SettingsError::Weight { found });
         }
         Ok(())
     }

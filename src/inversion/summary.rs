@@ -1,89 +1,26 @@
-//! From a minimum to what is said about it: estimates, statuses, warnings, curves.
+//! From a minimum to what is said about it: verdict, warnings, minima, curves.
 
-use crate::dataset::Dataset;
-use crate::inversion::fit::{Held, unit_of_residuals};
-use crate::inversion::nuisance::{Column, Extent, LinearPart, Multiplies};
+use crate::inversion::estimates::{Found, Uncertainty, as_good, index_ratio};
+use crate::inversion::fit::unit_of_residuals;
+use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{
-    DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, NamedMatrix,
-    NuisanceFound, Parameters, SCHEMA, SigmaSource, Status, Verdict,
+    DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, Parameters,
+    SCHEMA, SigmaSource, Status, Verdict,
 };
-use crate::inversion::parameter::{COUNT, Parameter, Role};
-use crate::inversion::plan::Plan;
+use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
-use crate::inversion::search::Space;
-use crate::inversion::settings::FitSettings;
 use crate::inversion::wording;
-use crate::optics::ReflectivityModel;
 use crate::optimise::{Loss, Minimum};
-use crate::uncertainty::covariance::{correlation, covariance};
-use crate::uncertainty::goodness::{NINETY_FIVE, ONE_SIGMA, excess, student};
+use crate::uncertainty::goodness::excess;
 use crate::uncertainty::identifiability::Identifiability;
-use nalgebra::{DMatrix, DVector};
 
 /// Data that exceed the stated noise by this many standard deviations of chi² are missed by the model.
 const MISSED: f64 = 3.7;
-/// A correlation beyond this is a status of its own.
-const CORRELATED: f64 = 0.99;
-/// Minima within this chi² of the best fit as well: three standard deviations of one parameter.
-const AS_GOOD: f64 = 9.0;
-/// A value at another minimum is another value if it lies off by more standard deviations than this, ...
-const ELSEWHERE: f64 = 3.0;
-/// ... and by more than this share of a change that matters.
-const NOTICEABLE: f64 = 0.2;
 /// Minima listed.
 const LISTED: usize = 10;
 /// A model that lowers chi² by less than this below the best constant says nothing: of 300 sets of pure noise the fit
 /// gained 21 at most, 15 in one of twenty.
 const CHANCE: f64 = 30.0;
-/// A derived quantity that changes by more than this share along an undetermined direction is undetermined.
-const LEAK: f64 = 0.05;
-
-/// Everything a summary is made of.
-#[derive(Debug)]
-pub(crate) struct Found<'a> {
-    pub(crate) data: &'a Dataset,
-    pub(crate) settings: &'a FitSettings,
-    pub(crate) model: &'a dyn ReflectivityModel,
-    pub(crate) plan: &'a Plan<'a>,
-    pub(crate) linear: &'a LinearPart,
-    pub(crate) robust: &'a [f64],
-    /// The space that was searched.
-    pub(crate) searched: &'a Space,
-    /// What was left of it when the undetermined parameters were taken out.
-    pub(crate) space: &'a Space,
-    pub(crate) best: &'a Minimum,
-    pub(crate) minima: &'a [Minimum],
-    pub(crate) held: &'a [Held],
-}
-
-/// Covariance over the parameters that moved freely, and the rules for intervals.
-struct Uncertainty {
-    /// Free parameters inside their bounds, inside units.
-    inner: Vec<Parameter>,
-    /// Covariance of these, then of the nuisances in use; `None` if it does not exist.
-    matrix: Option<DMatrix<f64>>,
-    columns: Vec<usize>,
-    quantile_68: f64,
-    quantile_95: f64,
-    /// Standard deviation of a weighted residual.
-    unit: f64,
-}
-
-/// Minima that fit as well as the best, itself left out.
-fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = &'a Minimum> {
-    let best = found.minima[0].sum_of_squares();
-    found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best < AS_GOOD * unit * unit)
-}
-
-/// Values of a parameter, user units, at other minima that fit as well, where they differ from the estimate.
-fn others(found: &Found<'_>, estimate: &Estimate, parameter: Parameter, unit: f64) -> Vec<f64> {
-    let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return Vec::new() };
-    let far = (ELSEWHERE * sigma).max(NOTICEABLE * parameter.outside(parameter.typical_change()));
-    as_good(found, unit)
-        .map(|minimum| parameter.outside(found.searched.freedom.expand(&minimum.parameters)[parameter.index()]))
-        .filter(|other| (other - value).abs() > far)
-        .collect()
-}
 
 pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     let problem = Problem::new(
@@ -121,7 +58,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     let by_chance = gain < CHANCE && found.settings.loss == Loss::Linear;
     if by_chance {
         let fitted = estimates.iter_mut().filter(|estimate| estimate.bounds.is_some());
-        fitted.chain([&mut derived.period, &mut derived.optical_sum]).for_each(withdraw);
+        fitted.chain([&mut derived.period, &mut derived.optical_sum]).for_each(Estimate::withdraw);
     }
     let verdict = verdict(found, &estimates, &derived);
     let identifiability = identifiability(found, unit);
@@ -143,7 +80,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     warnings.extend(identifiability.undetermined.iter().cloned());
     warnings.extend(warn_of_bounds(&estimates));
     warnings.extend(warn_of_others(found, &estimates, unit));
-    let covariance = uncertainty.named_covariance(found);
+    let (covariance, correlation) = uncertainty.named_matrices(found);
     let (aicc, bic) = criteria(found.data.has_sigma(), chi2, found.plan.len(), unknowns);
     let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = estimates;
     let outcome = FitOutcome {
@@ -159,7 +96,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         bic,
         sigma_source,
         sigma_ratio: found.data.has_sigma().then(|| reduced.sqrt()).filter(|ratio| ratio.is_finite()),
-        correlation: NamedMatrix { names: covariance.names.clone(), rows: rows(&correlation(&matrix(&covariance))) },
+        correlation,
         covariance,
         minima,
         identifiability,
@@ -177,14 +114,6 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         },
     };
     Fit { outcome, readings }
-}
-
-/// Takes back a value that the data do not support.
-fn withdraw(estimate: &mut Estimate) {
-    estimate.status = Status::NotIdentifiable;
-    estimate.held_at = estimate.value.take().or(estimate.held_at);
-    (estimate.sigma, estimate.interval_68, estimate.interval_95) = (None, None, None);
-    estimate.others.clear();
 }
 
 /// chi² of the best constant; of one for each curve where the fit has something of its own for each.
@@ -262,19 +191,6 @@ fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
     }
 }
 
-/// Real indices of gap and cuticle at the middle wavelength of the data.
-fn indices(found: &Found<'_>) -> (f64, f64) {
-    let mut wavelengths: Vec<f64> = found.data.readings().iter().map(|reading| reading.wavelength).collect();
-    wavelengths.sort_by(f64::total_cmp);
-    let middle = wavelengths.get(wavelengths.len() / 2).copied().unwrap_or(550.0);
-    found.model.stack().media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
-}
-
-fn index_ratio(found: &Found<'_>) -> f64 {
-    let (gap, cuticle) = indices(found);
-    cuticle / gap
-}
-
 fn minima(found: &Found<'_>) -> Vec<MinimumFound> {
     let of = |minimum: &Minimum| {
         let values = found.searched.freedom.expand(&minimum.parameters);
@@ -312,232 +228,4 @@ fn warn_of_others(found: &Found<'_>, estimates: &[Estimate; COUNT], unit: f64) -
             ambiguous.join(", ")
         )
     })
-}
-
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
-}
-
-fn matrix(named: &NamedMatrix) -> DMatrix<f64> {
-    DMatrix::from_fn(named.rows.len(), named.rows.len(), |i, j| named.rows[i][j])
-}
-
-impl Uncertainty {
-    fn new(
-        found: &Found<'_>,
-        problem: &Problem<'_>,
-        point: &Evaluation,
-        in_use: &[usize],
-        unit: f64,
-        dof: usize,
-        source: SigmaSource,
-    ) -> Self {
-        let free = &found.space.freedom.free;
-        let (lower, upper) = (found.space.bounds.lower(), found.space.bounds.upper());
-        let at = &found.best.parameters;
-        let moved: Vec<usize> = (0..free.len()).filter(|&j| at[j] > lower[j] && at[j] < upper[j]).collect();
-        let full = problem.full_jacobian(point);
-        let columns: Vec<usize> = moved.iter().copied().chain(free.len()..full.ncols()).collect();
-        let matrix = covariance(&full.select_columns(&columns)).map(|matrix| matrix * (unit * unit));
-        let quantile = |z| if source == SigmaSource::Scatter { student(z, dof) } else { z };
-        Self {
-            inner: moved.iter().map(|&j| free[j]).collect(),
-            matrix,
-            columns: in_use.to_vec(),
-            quantile_68: quantile(ONE_SIGMA),
-            quantile_95: quantile(NINETY_FIVE),
-            unit,
-        }
-    }
-
-    /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds.
-    fn variance(&self, gradient: &[f64; COUNT], found: &Found<'_>) -> Option<f64> {
-        let matrix = self.matrix.as_ref()?;
-        let to_free = found.space.freedom.matrix();
-        let mut along = DVector::zeros(matrix.nrows());
-        for (c, parameter) in self.inner.iter().enumerate() {
-            let column = found.space.freedom.free.iter().position(|free| free == parameter)?;
-            along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
-        }
-        Some((matrix * &along).dot(&along).max(0.0))
-    }
-
-    fn parameter(&self, found: &Found<'_>, point: &Evaluation, parameter: Parameter) -> Estimate {
-        let inside = point.values[parameter.index()];
-        let mut gradient = [0.0; COUNT];
-        gradient[parameter.index()] = 1.0;
-        let mut estimate = Estimate {
-            value: Some(parameter.outside(inside)),
-            unit: parameter.unit().to_owned(),
-            sigma: None,
-            status: Status::Ok,
-            with: Vec::new(),
-            interval_68: None,
-            interval_95: None,
-            others: Vec::new(),
-            held_at: None,
-            bounds: None,
-        };
-        let role = found.settings.roles[parameter.index()];
-        if let Role::Free { lower, upper } = role {
-            estimate.bounds = Some([parameter.outside(lower), parameter.outside(upper)]);
-        }
-        if let Role::Fixed { .. } = role {
-            estimate.status = Status::Fixed;
-            return estimate;
-        }
-        let touched: Vec<&Held> =
-            found.held.iter().filter(|held| held.direction.iter().any(|(part, _)| *part == parameter)).collect();
-        if !touched.is_empty() {
-            let alone = touched.iter().any(|held| held.direction.len() == 1 && held.deviation.is_infinite());
-            estimate.status = if alone { Status::Insensitive } else { Status::NotIdentifiable };
-            let partners = touched.iter().flat_map(|held| &held.direction).map(|(part, _)| *part);
-            let mut partners: Vec<Parameter> = partners.filter(|part| *part != parameter).collect();
-            partners.sort();
-            partners.dedup();
-            estimate.with = partners.iter().map(|part| part.name().to_owned()).collect();
-            estimate.held_at = estimate.value.take();
-            return estimate;
-        }
-        let followed = match role {
-            Role::Linked { other, .. } => {
-                estimate.status = Status::Linked;
-                estimate.with = vec![other.name().to_owned()];
-                other
-            }
-            Role::Free { .. } | Role::Fixed { .. } => parameter,
-        };
-        if role_is_free(role) && !self.inner.contains(&followed) {
-            estimate.status = Status::AtBound;
-            return estimate;
-        }
-        let sigma = self.variance(&gradient, found).map(f64::sqrt);
-        self.finish(&mut estimate, sigma.map(|sigma| parameter.outside(sigma)));
-        if estimate.status == Status::Ok {
-            estimate.with = self.correlated_with(parameter);
-            if !estimate.with.is_empty() {
-                estimate.status = Status::Correlated;
-            }
-        }
-        estimate.others = others(found, &estimate, parameter, self.unit);
-        if !estimate.others.is_empty() {
-            estimate.status = Status::Ambiguous;
-        }
-        estimate
-    }
-
-    /// Names of the parameters whose correlation with `parameter` is beyond [`CORRELATED`].
-    fn correlated_with(&self, parameter: Parameter) -> Vec<String> {
-        let (Some(matrix), Some(row)) = (&self.matrix, self.inner.iter().position(|p| *p == parameter)) else {
-            return Vec::new();
-        };
-        let correlation = correlation(matrix);
-        let close = |&(column, other): &(usize, &Parameter)| {
-            column != row && *other != parameter && correlation[(row, column)].abs() > CORRELATED
-        };
-        self.inner.iter().enumerate().filter(close).map(|(_, other)| other.name().to_owned()).collect()
-    }
-
-    /// Sigma and intervals; an interval that reaches a bound is open there.
-    fn finish(&self, estimate: &mut Estimate, sigma: Option<f64>) {
-        let (Some(value), Some(sigma)) = (estimate.value, sigma.filter(|sigma| sigma.is_finite())) else {
-            return;
-        };
-        estimate.sigma = Some(sigma);
-        let bounds = estimate.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-        let interval = |quantile: f64| {
-            let (low, high) = (value - quantile * sigma, value + quantile * sigma);
-            [(low > bounds[0]).then_some(low), (high < bounds[1]).then_some(high)]
-        };
-        estimate.interval_68 = Some(interval(self.quantile_68));
-        let wide = interval(self.quantile_95);
-        estimate.interval_95 = Some(wide);
-        if estimate.status == Status::Ok && wide.contains(&None) {
-            estimate.status = Status::OneSided;
-        }
-    }
-
-    fn derived(&self, found: &Found<'_>, point: &Evaluation) -> Derived {
-        let (gap, cuticle) = indices(found);
-        let of = |gradient: [f64; COUNT]| {
-            let value: f64 = gradient.iter().zip(&point.values).map(|(g, value)| g * value).sum();
-            let mut estimate = Estimate {
-                value: Some(value),
-                unit: "nm".to_owned(),
-                sigma: None,
-                status: Status::Ok,
-                with: Vec::new(),
-                interval_68: None,
-                interval_95: None,
-                others: Vec::new(),
-                held_at: None,
-                bounds: None,
-            };
-            let free_thickness =
-                [Parameter::DAir, Parameter::DCuticle].into_iter().any(|p| found.space.freedom.moves(p));
-            let mut extra = 0.0;
-            for held in found.held {
-                let changes = held.direction.iter().map(|(part, step)| gradient[part.index()] * step);
-                let (change, size) = changes.fold((0.0, 0.0), |(sum, size), c| (sum + c, size + f64::abs(c)));
-                if size > 0.0 && f64::abs(change) > LEAK * size {
-                    estimate.status = Status::NotIdentifiable;
-                    estimate.held_at = estimate.value.take();
-                    return estimate;
-                }
-                extra += (change * held.deviation.min(1.0)).powi(2);
-            }
-            if !free_thickness {
-                estimate.status = Status::Fixed;
-                return estimate;
-            }
-            let at_bound = [Parameter::DAir, Parameter::DCuticle]
-                .into_iter()
-                .any(|p| found.space.freedom.free.contains(&p) && !self.inner.contains(&p));
-            if at_bound {
-                estimate.status = Status::AtBound;
-            }
-            let sigma = self.variance(&gradient, found).map(|variance| (variance + extra).sqrt());
-            self.finish(&mut estimate, sigma);
-            estimate
-        };
-        Derived { period: of([1.0, 1.0, 0.0, 0.0, 0.0]), optical_sum: of([gap, cuticle, 0.0, 0.0, 0.0]) }
-    }
-
-    fn named_covariance(&self, found: &Found<'_>) -> NamedMatrix {
-        let Some(matrix) = &self.matrix else { return NamedMatrix::default() };
-        let names: Vec<String> = (self.inner.iter().map(|parameter| parameter.name().to_owned()))
-            .chain(self.columns.iter().map(|&i| column_name(&found.linear.columns[i], found.data)))
-            .collect();
-        let factor = |j: usize| self.inner.get(j).map_or(1.0, |parameter| parameter.outside(1.0));
-        let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| factor(i) * factor(j) * matrix[(i, j)]);
-        NamedMatrix { names, rows: rows(&scaled) }
-    }
-
-    fn nuisances(&self, found: &Found<'_>, point: &Evaluation) -> Vec<NuisanceFound> {
-        let sigma = |i: usize| {
-            let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
-            self.matrix.as_ref().map(|matrix| matrix[(place, place)].sqrt())
-        };
-        (found.linear.columns.iter().enumerate())
-            .map(|(i, column)| NuisanceFound {
-                name: column_name(column, found.data),
-                value: point.coefficients[i],
-                sigma: sigma(i),
-            })
-            .collect()
-    }
-}
-
-fn role_is_free(role: Role) -> bool {
-    matches!(role, Role::Free { .. })
-}
-
-/// `scale`, `lamella_scale` (scale · weight) or `background`, with the curve it belongs to.
-fn column_name(column: &Column, data: &Dataset) -> String {
-    let what = match column.multiplies {
-        Multiplies::Lamella => "lamella_scale",
-        Multiplies::Multilayer | Multiplies::Both => "scale",
-        Multiplies::One => "background",
-    };
-    column.curve.map_or_else(|| what.to_owned(), |curve| format!("{what} of {}", data.curves()[curve]))
 }

@@ -5,7 +5,7 @@ use crate::optics::{Media, OpticsError, ReflectivityModel, Stack};
 
 /// Model A divided by its peak, and Model B exact for s and p.
 ///
-/// Departs from the paper in four places: Snell's law the right way up; the mean of R_s and R_p, where the paper takes
+/// Departs from the paper in four places: Snell's law the right way up; the mean of `R_s` and `R_p`, where the paper takes
 /// the mean of their admittances; Model A divided by its peak `a²/2 N M²`, so that both planes are dimensionless; complex
 /// indices allowed.
 ///

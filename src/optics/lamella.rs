@@ -31,7 +31,7 @@ const CHEBYSHEV_LAYERS: usize = 16;
 #[inline]
 pub fn array_factor(x: f64, layers: usize) -> f64 {
     if layers <= CHEBYSHEV_LAYERS {
-        return chebyshev([x], layers)[0];
+        return chebyshev([x], layers.max(1))[0];
     }
     let reduced = x - PI * (x * std::f64::consts::FRAC_1_PI).round();
     if reduced.abs() < f64::MIN_POSITIVE {

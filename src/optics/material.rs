@@ -5,6 +5,13 @@
 use crate::optics::error::{OpticsError, require};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+
+/// Wavelengths, nm: outside it is no light, but most likely a length in µm or m.
+pub(crate) const WAVELENGTHS: RangeInclusive<f64> = 10.0..=1e6;
+
+/// Values of n: far outside, no material is known and the squares overflow.
+pub(crate) const INDICES: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// Refractive index of one medium.
 ///
@@ -117,18 +124,23 @@ impl Material {
     ///
     /// # Errors
     /// [`OpticsError::OutsideTable`] beyond a table's ends; [`OpticsError::OutOfRange`] if the wavelength is not
-    /// above 0 or the resulting index is not above 0 with `k >= 0`.
+    /// 10 to 1e6 nm or the resulting index not 0.001 to 1000 with `k` from 0 to 1000.
     pub fn index(&self, medium: &'static str, wavelength: f64) -> Result<Complex<f64>, OpticsError> {
-        require(wavelength > 0.0, "wavelength", wavelength, "nm", "above 0")?;
+        require(WAVELENGTHS.contains(&wavelength), "wavelength", wavelength, "nm", "10 to 1e6")?;
         let index = match self {
             Self::Constant { n, k } => Complex::new(*n, *k),
             Self::Cauchy { a, b } => Complex::new(a + b / (wavelength * wavelength), 0.0),
             Self::Table(table) => table.at(medium, wavelength)?,
         };
-        require(index.re > 0.0, medium, index.re, "(refractive index n)", "a finite number above 0")?;
-        require(index.im >= 0.0, medium, index.im, "(extinction coefficient k)", "a finite number, at least 0")?;
+        require_index(medium, index)?;
         Ok(index)
     }
+}
+
+/// Checks `n` and `k` of `medium`.
+pub(crate) fn require_index(medium: &'static str, index: Complex<f64>) -> Result<(), OpticsError> {
+    require(INDICES.contains(&index.re), medium, index.re, "(refractive index n)", "0.001 to 1000")?;
+    require((0.0..=1e3).contains(&index.im), medium, index.im, "(extinction coefficient k)", "0 to 1000")
 }
 
 #[cfg(test)]

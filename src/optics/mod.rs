@@ -58,10 +58,20 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// The stack's media and layer count.
     fn stack(&self) -> &Stack;
 
+    /// Checks what the model itself adds to its stack.
+    ///
+    /// # Errors
+    /// [`OpticsError::OutOfRange`] with the first setting that is out of range.
+    fn validate(&self) -> Result<(), OpticsError> {
+        Ok(())
+    }
+
     /// Factor of Model A beside `cos²(theta) A² S²`, for a lamella `lamella_width` nm wide.
     fn lamella_factor(&self, lamella_width: f64) -> f64;
 
     /// Reflectivity of the stack at `angle = theta - delta` (rad) from the normal of its layers.
+    ///
+    /// The inner loop of a fit, for input that was checked: [`contributions`](Self::contributions) checks it.
     ///
     /// # Errors
     /// [`OpticsError`] where the model has no answer.
@@ -80,6 +90,7 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         polarization: Polarization,
         wavelength: f64,
     ) -> Result<[Contribution; 2], OpticsError> {
+        self.validate()?;
         structure.validate()?;
         let Geometry { theta, phi, omega } = *geometry;
         for (quantity, angle) in [("theta", theta), ("phi", phi), ("omega", omega)] {

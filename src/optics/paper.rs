@@ -1,5 +1,6 @@
 //! The `paper` model: the printed formulas, with a switch for each of their faults.
 
+use crate::optics::error::require;
 use crate::optics::multilayer::periodic::{self, Admittances, Cosines, Phases};
 use crate::optics::multilayer::{Period, SAndP};
 use crate::optics::{Media, OpticsError, ReflectivityModel, Stack};
@@ -36,12 +37,12 @@ pub enum LamellaUnit {
     Peak,
     /// The peak of a lamella `width` nm wide: a wider one is brighter by `(a / width)²`.
     Reference {
-        /// Reference width, nm, above 0.
+        /// Reference width, nm, 0.001 to 1e6.
         width: f64,
     },
     /// Nothing: the printed value in nm² for `ridges` trees.
     Printed {
-        /// Number of trees N.
+        /// Number of trees N, above 0 and at most 1e9.
         ridges: f64,
     },
 }
@@ -96,6 +97,18 @@ impl ReflectivityModel for PaperModel {
 
     fn stack(&self) -> &Stack {
         &self.stack
+    }
+
+    fn validate(&self) -> Result<(), OpticsError> {
+        match self.lamella_unit {
+            LamellaUnit::Peak => Ok(()),
+            LamellaUnit::Reference { width } => {
+                require((1e-3..=1e6).contains(&width), "reference width", width, "nm", "0.001 to 1e6")
+            }
+            LamellaUnit::Printed { ridges } => {
+                require(ridges > 0.0 && ridges <= 1e9, "ridges", ridges, "", "above 0, at most 1e9")
+            }
+        }
     }
 
     fn lamella_factor(&self, lamella_width: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! The layer stack of Model B: `ambient | (cuticle, gap) × layers | base`.
 
 use crate::optics::error::{OpticsError, require};
-use crate::optics::material::Material;
+use crate::optics::material::{Material, WAVELENGTHS, require_index};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +50,15 @@ pub struct Media {
 }
 
 impl Media {
+    /// Checks every value, for media that no [`Stack`] has made.
+    pub(crate) fn validate(&self) -> Result<(), OpticsError> {
+        require(WAVELENGTHS.contains(&self.wavelength), "wavelength", self.wavelength, "nm", "10 to 1e6")?;
+        require_index("ambient", Complex::new(self.ambient, 0.0))?;
+        require_index("cuticle", self.cuticle)?;
+        require_index("gap", self.gap)?;
+        require_index("base", self.base)
+    }
+
     /// The first absorbing medium and its `k`, if there is one.
     #[must_use]
     pub fn absorbing(&self) -> Option<(&'static str, f64)> {

@@ -1,6 +1,7 @@
 //! The five parameters of a structure, and the paper's presets.
 
 use crate::optics::error::{OpticsError, require};
+use crate::optics::multilayer::{Period, THICKNESSES};
 use serde::{Deserialize, Serialize};
 
 /// The structure of one scale: what a fit looks for.
@@ -15,7 +16,7 @@ pub struct Structure {
     pub d_cuticle: f64,
     /// Mean tilt of the multilayer `delta`, rad.
     pub delta: f64,
-    /// Half-width of the cosine lobe made by the curvature, rad, above 0.
+    /// Half-width of the cosine lobe made by the curvature, rad, above 0 and at most pi.
     pub phi_alpha: f64,
     /// Width of a lamella `a`, nm, above 0.
     pub lamella_width: f64,
@@ -40,15 +41,16 @@ impl Structure {
         self.d_air + self.d_cuticle
     }
 
-    /// Checks every field against its range.
+    /// Checks every field against its range; no length may pass 1 mm.
     ///
     /// # Errors
     /// [`OpticsError::OutOfRange`] with the first field that is out of range or not finite.
     pub fn validate(&self) -> Result<(), OpticsError> {
-        require(self.d_air >= 0.0, "d_air", self.d_air, "nm", "at least 0")?;
-        require(self.d_cuticle >= 0.0, "d_cuticle", self.d_cuticle, "nm", "at least 0")?;
+        Period { cuticle: self.d_cuticle, gap: self.d_air }.validate()?;
         require(self.delta.abs() < std::f64::consts::FRAC_PI_2, "delta", self.delta, "rad", "between -pi/2 and pi/2")?;
-        require(self.phi_alpha > 0.0, "phi_alpha", self.phi_alpha, "rad", "above 0")?;
-        require(self.lamella_width > 0.0, "lamella_width", self.lamella_width, "nm", "above 0")
+        let lobe = self.phi_alpha > 0.0 && self.phi_alpha <= std::f64::consts::PI;
+        require(lobe, "phi_alpha", self.phi_alpha, "rad", "above 0 and at most pi: radians, not degrees")?;
+        let wide = self.lamella_width > 0.0 && THICKNESSES.contains(&self.lamella_width);
+        require(wide, "lamella_width", self.lamella_width, "nm", "above 0, at most 1e6")
     }
 }

@@ -138,9 +138,9 @@ mod tests {
         let points = bounds.latin_hypercube(8, 7);
         assert_eq!(points, bounds.latin_hypercube(8, 7));
         assert_ne!(points, bounds.latin_hypercube(8, 8));
-        let mut slices: Vec<i32> = points.iter().map(|point| ((point[0] + 1.0) * 4.0).floor() as i32).collect();
-        slices.sort_unstable();
-        assert_eq!(slices, (0..8).collect::<Vec<_>>());
+        let mut slices: Vec<f64> = points.iter().map(|point| ((point[0] + 1.0) * 4.0).floor()).collect();
+        slices.sort_by(f64::total_cmp);
+        assert_eq!(slices, (0..8).map(f64::from).collect::<Vec<_>>());
         assert!(points.iter().all(|point| bounds.contain(point)));
     }
 }

@@ -111,10 +111,11 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
     let mut directions: Vec<DVector<f64>> =
         (0..n).map(|j| DVector::from_fn(n, |i, _| if i == j { problem.scales()[j] } else { 0.0 })).collect();
     let scaled = DMatrix::from_fn(at.jacobian.nrows(), n, |i, j| at.jacobian[(i, j)] * problem.scales()[j]);
-    if n > 0 && scaled.iter().all(|value| value.is_finite()) {
-        if let Some(v_t) = scaled.qr().r().svd(false, true).v_t {
-            directions.extend(v_t.row_iter().map(|row| row.transpose().component_mul(problem.scales())));
-        }
+    if n > 0
+        && scaled.iter().all(|value| value.is_finite())
+        && let Some(v_t) = scaled.qr().r().svd(false, true).v_t
+    {
+        directions.extend(v_t.row_iter().map(|row| row.transpose().component_mul(problem.scales())));
     }
     let mut lowest = (at.sum_of_squares() * (1.0 - LOWER), None);
     for direction in &directions {

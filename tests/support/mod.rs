@@ -3,3 +3,4 @@
 
 pub mod more_garbow_hillstrom;
 pub mod nist;
+pub mod stacks;

@@ -191,7 +191,7 @@ fn parse(name: &'static str, text: &str, function: Model) -> NistProblem {
     if name == "Nelson" {
         y.iter_mut().for_each(|response| *response = response.ln()); // the model is of log[y]
     }
-    assert_eq!(y.len(), labelled(name, &lines, "Number of Observations:"), "{name}: observations");
+    assert_eq!(y.len(), labelled::<usize>(name, &lines, "Number of Observations:"), "{name}: observations");
 
     let degrees_of_freedom = match name {
         // Rat43's file prints 9. It has 15 observations and 4 parameters, and its printed residual standard deviation,

@@ -15,6 +15,7 @@
 //! Abelès's method, Born and Wolf §1.6; the scaling is that of Parratt 1954, DOI 10.1103/PhysRev.95.359.
 
 use crate::optics::error::{OpticsError, require};
+use crate::optics::material::{INDICES, WAVELENGTHS, require_index};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -52,8 +53,8 @@ pub struct Shares {
 /// At grazing incidence it is `(1, 0)`.
 ///
 /// # Errors
-/// [`OpticsError::OutOfRange`] for a number that is not finite, an index not above 0, `k < 0`, a thickness below 0, or
-/// an angle beyond 90°.
+/// [`OpticsError::OutOfRange`] for n outside 0.001 to 1000, k outside 0 to 1000, a wavelength outside 10 to 1e6 nm, a
+/// thickness outside 0 to 1e9 nm, or an angle beyond 90°.
 ///
 /// ```
 /// use morpho_fit::optics::multilayer::amplitude::{Component, Layer, reflect_transmit};
@@ -71,15 +72,14 @@ pub fn reflect_transmit(
     angle: f64,
     component: Component,
 ) -> Result<Shares, OpticsError> {
-    require(ambient > 0.0, "index of the ambient", ambient, "", "above 0")?;
-    require(wavelength > 0.0, "wavelength", wavelength, "nm", "above 0")?;
+    require(INDICES.contains(&ambient), "index of the ambient", ambient, "", "0.001 to 1000")?;
+    require(WAVELENGTHS.contains(&wavelength), "wavelength", wavelength, "nm", "10 to 1e6")?;
     require(angle.abs() <= std::f64::consts::FRAC_PI_2, "angle", angle, "rad", "at most pi/2 in size")?;
     for index in layers.iter().map(|layer| layer.index).chain([base]) {
-        require(index.re > 0.0, "refractive index n", index.re, "", "above 0")?;
-        require(index.im >= 0.0, "extinction coefficient k", index.im, "", "at least 0")?;
+        require_index("index n + i k", index)?;
     }
     for layer in layers {
-        require(layer.thickness >= 0.0, "thickness", layer.thickness, "nm", "at least 0")?;
+        require((0.0..=1e9).contains(&layer.thickness), "thickness", layer.thickness, "nm", "0 to 1e9")?;
     }
     Ok(from_base(ambient, layers.iter().rev().copied(), base, wavelength, angle, component))
 }

@@ -9,8 +9,9 @@ pub mod intensity;
 pub mod periodic;
 
 use crate::optics::error::{OpticsError, require};
-use crate::optics::stack::Media;
+use crate::optics::stack::{MAX_LAYERS, Media};
 use amplitude::Layer;
+use std::ops::RangeInclusive;
 
 /// One value for each linear polarization.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,7 +36,11 @@ impl SAndP {
     }
 }
 
-/// Thickness of the two layers of a period, nm, at least 0.
+/// Thickness of a layer of a period, nm. With the shortest wavelength it keeps the phases of Model A below 2^20 half
+/// turns, where its sines are reduced exactly; a larger one would give noise, and far larger ones infinity.
+pub(crate) const THICKNESSES: RangeInclusive<f64> = 0.0..=1e6;
+
+/// Thickness of the two layers of a period, nm, 0 to 1e6.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Period {
     /// Thickness of the cuticle layer, nm.
@@ -46,8 +51,8 @@ pub struct Period {
 
 impl Period {
     pub(crate) fn validate(self) -> Result<(), OpticsError> {
-        require(self.cuticle >= 0.0, "d_cuticle", self.cuticle, "nm", "at least 0")?;
-        require(self.gap >= 0.0, "d_air", self.gap, "nm", "at least 0")
+        require(THICKNESSES.contains(&self.cuticle), "d_cuticle", self.cuticle, "nm", "0 to 1e6")?;
+        require(THICKNESSES.contains(&self.gap), "d_air", self.gap, "nm", "0 to 1e6")
     }
 }
 
@@ -58,7 +63,7 @@ impl Period {
 /// reflects 1.
 ///
 /// # Errors
-/// [`OpticsError::OutOfRange`] for a thickness below 0, no layers, or a number that is not finite.
+/// [`OpticsError::OutOfRange`] for a thickness out of range, no layers or too many, or media out of range.
 ///
 /// ```
 /// use morpho_fit::optics::{Stack, multilayer::{Period, reflectivity}};
@@ -68,9 +73,12 @@ impl Period {
 /// # Ok::<(), morpho_fit::optics::OpticsError>(())
 /// ```
 pub fn reflectivity(media: &Media, period: Period, layers: usize, angle: f64) -> Result<SAndP, OpticsError> {
+    media.validate()?;
     period.validate()?;
     require(true, "angle", angle, "rad", "finite")?;
-    require(layers > 0, "layers", 0.0, "", "at least 1")?;
+    #[allow(clippy::cast_precision_loss, reason = "for a message")]
+    let count = layers as f64;
+    require((1..=MAX_LAYERS).contains(&layers), "layers", count, "", "1 to 100000")?;
     Ok(reflectivity_unchecked(media, period, layers, angle))
 }
 

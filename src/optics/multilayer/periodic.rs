@@ -87,7 +87,7 @@ impl Phases {
     }
 }
 
-/// R_s and R_p. For p the impedance `cos / n` stands in for the admittance `n / cos`: the same R, finite at grazing.
+/// `R_s` and `R_p`. For p the impedance `cos / n` stands in for the admittance `n / cos`: the same R, finite at grazing.
 #[inline]
 pub(crate) fn exact(media: &Media, cosines: &Cosines, period: Period, layers: usize) -> SAndP {
     let phases = Phases::new(media, cosines, period);

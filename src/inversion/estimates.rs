@@ -1,0 +1,291 @@
+//! Estimates: values, standard deviations, intervals and statuses from the covariance at a minimum.
+
+use crate::dataset::Dataset;
+use crate::inversion::fit::Held;
+use crate::inversion::nuisance::{Column, LinearPart, Multiplies};
+use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, SigmaSource, Status};
+use crate::inversion::parameter::{COUNT, Parameter, Role};
+use crate::inversion::plan::Plan;
+use crate::inversion::problem::{Evaluation, Problem};
+use crate::inversion::search::Space;
+use crate::inversion::settings::FitSettings;
+use crate::optics::ReflectivityModel;
+use crate::optimise::Minimum;
+use crate::uncertainty::covariance::{correlation, covariance};
+use crate::uncertainty::goodness::{NINETY_FIVE, ONE_SIGMA, student};
+use nalgebra::{DMatrix, DVector};
+
+/// A correlation beyond this is a status of its own.
+const CORRELATED: f64 = 0.99;
+/// Minima within this chi² of the best fit as well: three standard deviations of one parameter.
+const AS_GOOD: f64 = 9.0;
+/// A value at another minimum is another value if it lies off by more standard deviations than this, ...
+const ELSEWHERE: f64 = 3.0;
+/// ... and by more than this share of a change that matters.
+const NOTICEABLE: f64 = 0.2;
+/// A derived quantity that changes by more than this share along an undetermined direction is undetermined.
+const LEAK: f64 = 0.05;
+
+/// Everything a summary is made of.
+#[derive(Debug)]
+pub(crate) struct Found<'a> {
+    pub(crate) data: &'a Dataset,
+    pub(crate) settings: &'a FitSettings,
+    pub(crate) model: &'a dyn ReflectivityModel,
+    pub(crate) plan: &'a Plan<'a>,
+    pub(crate) linear: &'a LinearPart,
+    pub(crate) robust: &'a [f64],
+    /// The space that was searched.
+    pub(crate) searched: &'a Space,
+    /// What was left of it when the undetermined parameters were taken out.
+    pub(crate) space: &'a Space,
+    pub(crate) best: &'a Minimum,
+    pub(crate) minima: &'a [Minimum],
+    pub(crate) held: &'a [Held],
+}
+
+/// Covariance over the parameters that moved freely, and the rules for intervals.
+pub(crate) struct Uncertainty {
+    /// Free parameters inside their bounds, inside units.
+    inner: Vec<Parameter>,
+    /// Covariance of these, then of the nuisances in use; `None` if it does not exist.
+    matrix: Option<DMatrix<f64>>,
+    columns: Vec<usize>,
+    quantile_68: f64,
+    quantile_95: f64,
+    /// Standard deviation of a weighted residual.
+    unit: f64,
+}
+
+/// Minima that fit as well as the best, itself left out.
+pub(crate) fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = &'a Minimum> {
+    let best = found.minima[0].sum_of_squares();
+    found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best < AS_GOOD * unit * unit)
+}
+
+/// Values of a parameter, user units, at other minima that fit as well, where they differ from the estimate.
+fn others(found: &Found<'_>, estimate: &Estimate, parameter: Parameter, unit: f64) -> Vec<f64> {
+    let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return Vec::new() };
+    let far = (ELSEWHERE * sigma).max(NOTICEABLE * parameter.outside(parameter.typical_change()));
+    as_good(found, unit)
+        .map(|minimum| parameter.outside(found.searched.freedom.expand(&minimum.parameters)[parameter.index()]))
+        .filter(|other| (other - value).abs() > far)
+        .collect()
+}
+
+/// Real indices of gap and cuticle at the middle wavelength of the data.
+fn indices(found: &Found<'_>) -> (f64, f64) {
+    let mut wavelengths: Vec<f64> = found.data.readings().iter().map(|reading| reading.wavelength).collect();
+    wavelengths.sort_by(f64::total_cmp);
+    let middle = wavelengths.get(wavelengths.len() / 2).copied().unwrap_or(550.0);
+    found.model.stack().media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
+}
+
+pub(crate) fn index_ratio(found: &Found<'_>) -> f64 {
+    let (gap, cuticle) = indices(found);
+    cuticle / gap
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
+impl Uncertainty {
+    pub(crate) fn new(
+        found: &Found<'_>,
+        problem: &Problem<'_>,
+        point: &Evaluation,
+        in_use: &[usize],
+        unit: f64,
+        dof: usize,
+        source: SigmaSource,
+    ) -> Self {
+        let free = &found.space.freedom.free;
+        let (lower, upper) = (found.space.bounds.lower(), found.space.bounds.upper());
+        let at = &found.best.parameters;
+        let moved: Vec<usize> = (0..free.len()).filter(|&j| at[j] > lower[j] && at[j] < upper[j]).collect();
+        let full = problem.full_jacobian(point);
+        let columns: Vec<usize> = moved.iter().copied().chain(free.len()..full.ncols()).collect();
+        let matrix = covariance(&full.select_columns(&columns)).map(|matrix| matrix * (unit * unit));
+        let quantile = |z| if source == SigmaSource::Scatter { student(z, dof) } else { z };
+        Self {
+            inner: moved.iter().map(|&j| free[j]).collect(),
+            matrix,
+            columns: in_use.to_vec(),
+            quantile_68: quantile(ONE_SIGMA),
+            quantile_95: quantile(NINETY_FIVE),
+            unit,
+        }
+    }
+
+    /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds.
+    fn variance(&self, gradient: &[f64; COUNT], found: &Found<'_>) -> Option<f64> {
+        let matrix = self.matrix.as_ref()?;
+        let to_free = found.space.freedom.matrix();
+        let mut along = DVector::zeros(matrix.nrows());
+        for (c, parameter) in self.inner.iter().enumerate() {
+            let column = found.space.freedom.free.iter().position(|free| free == parameter)?;
+            along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
+        }
+        Some((matrix * &along).dot(&along).max(0.0))
+    }
+
+    pub(crate) fn parameter(&self, found: &Found<'_>, point: &Evaluation, parameter: Parameter) -> Estimate {
+        let inside = point.values[parameter.index()];
+        let mut gradient = [0.0; COUNT];
+        gradient[parameter.index()] = 1.0;
+        let mut estimate = Estimate::new(parameter.outside(inside), parameter.unit());
+        let role = found.settings.roles[parameter.index()];
+        if let Role::Free { lower, upper } = role {
+            estimate.bounds = Some([parameter.outside(lower), parameter.outside(upper)]);
+        }
+        if let Role::Fixed { .. } = role {
+            estimate.status = Status::Fixed;
+            return estimate;
+        }
+        let touched: Vec<&Held> =
+            found.held.iter().filter(|held| held.direction.iter().any(|(part, _)| *part == parameter)).collect();
+        if !touched.is_empty() {
+            let alone = touched.iter().any(|held| held.direction.len() == 1 && held.deviation.is_infinite());
+            estimate.status = if alone { Status::Insensitive } else { Status::NotIdentifiable };
+            let partners = touched.iter().flat_map(|held| &held.direction).map(|(part, _)| *part);
+            let mut partners: Vec<Parameter> = partners.filter(|part| *part != parameter).collect();
+            partners.sort();
+            partners.dedup();
+            estimate.with = partners.iter().map(|part| part.name().to_owned()).collect();
+            estimate.held_at = estimate.value.take();
+            return estimate;
+        }
+        let followed = match role {
+            Role::Linked { other, .. } => {
+                estimate.status = Status::Linked;
+                estimate.with = vec![other.name().to_owned()];
+                other
+            }
+            Role::Free { .. } | Role::Fixed { .. } => parameter,
+        };
+        if role_is_free(role) && !self.inner.contains(&followed) {
+            estimate.status = Status::AtBound;
+            return estimate;
+        }
+        let sigma = self.variance(&gradient, found).map(f64::sqrt);
+        self.finish(&mut estimate, sigma.map(|sigma| parameter.outside(sigma)));
+        if estimate.status == Status::Ok {
+            estimate.with = self.correlated_with(parameter);
+            if !estimate.with.is_empty() {
+                estimate.status = Status::Correlated;
+            }
+        }
+        estimate.others = others(found, &estimate, parameter, self.unit);
+        if !estimate.others.is_empty() {
+            estimate.status = Status::Ambiguous;
+        }
+        estimate
+    }
+
+    /// Names of the parameters whose correlation with `parameter` is beyond [`CORRELATED`].
+    fn correlated_with(&self, parameter: Parameter) -> Vec<String> {
+        let (Some(matrix), Some(row)) = (&self.matrix, self.inner.iter().position(|p| *p == parameter)) else {
+            return Vec::new();
+        };
+        let correlation = correlation(matrix);
+        let close = |&(column, other): &(usize, &Parameter)| {
+            column != row && *other != parameter && correlation[(row, column)].abs() > CORRELATED
+        };
+        self.inner.iter().enumerate().filter(close).map(|(_, other)| other.name().to_owned()).collect()
+    }
+
+    /// Sigma and intervals; an interval that reaches a bound is open there.
+    fn finish(&self, estimate: &mut Estimate, sigma: Option<f64>) {
+        let (Some(value), Some(sigma)) = (estimate.value, sigma.filter(|sigma| sigma.is_finite())) else {
+            return;
+        };
+        estimate.sigma = Some(sigma);
+        let bounds = estimate.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let interval = |quantile: f64| {
+            let (low, high) = (value - quantile * sigma, value + quantile * sigma);
+            [(low > bounds[0]).then_some(low), (high < bounds[1]).then_some(high)]
+        };
+        estimate.interval_68 = Some(interval(self.quantile_68));
+        let wide = interval(self.quantile_95);
+        estimate.interval_95 = Some(wide);
+        if estimate.status == Status::Ok && wide.contains(&None) {
+            estimate.status = Status::OneSided;
+        }
+    }
+
+    pub(crate) fn derived(&self, found: &Found<'_>, point: &Evaluation) -> Derived {
+        let (gap, cuticle) = indices(found);
+        let of = |gradient: [f64; COUNT]| {
+            let value: f64 = gradient.iter().zip(&point.values).map(|(g, value)| g * value).sum();
+            let mut estimate = Estimate::new(value, "nm");
+            let free_thickness =
+                [Parameter::DAir, Parameter::DCuticle].into_iter().any(|p| found.space.freedom.moves(p));
+            let mut extra = 0.0;
+            for held in found.held {
+                let changes = held.direction.iter().map(|(part, step)| gradient[part.index()] * step);
+                let (change, size) = changes.fold((0.0, 0.0), |(sum, size), c| (sum + c, size + f64::abs(c)));
+                if size > 0.0 && f64::abs(change) > LEAK * size {
+                    estimate.status = Status::NotIdentifiable;
+                    estimate.held_at = estimate.value.take();
+                    return estimate;
+                }
+                extra += (change * held.deviation.min(1.0)).powi(2);
+            }
+            if !free_thickness {
+                estimate.status = Status::Fixed;
+                return estimate;
+            }
+            let at_bound = [Parameter::DAir, Parameter::DCuticle]
+                .into_iter()
+                .any(|p| found.space.freedom.free.contains(&p) && !self.inner.contains(&p));
+            if at_bound {
+                estimate.status = Status::AtBound;
+            }
+            let sigma = self.variance(&gradient, found).map(|variance| (variance + extra).sqrt());
+            self.finish(&mut estimate, sigma);
+            estimate
+        };
+        Derived { period: of([1.0, 1.0, 0.0, 0.0, 0.0]), optical_sum: of([gap, cuticle, 0.0, 0.0, 0.0]) }
+    }
+
+    /// Covariance and correlation, user units; empty where they do not exist.
+    pub(crate) fn named_matrices(&self, found: &Found<'_>) -> (NamedMatrix, NamedMatrix) {
+        let Some(matrix) = &self.matrix else { return Default::default() };
+        let names: Vec<String> = (self.inner.iter().map(|parameter| parameter.name().to_owned()))
+            .chain(self.columns.iter().map(|&i| column_name(&found.linear.columns[i], found.data)))
+            .collect();
+        let factor = |j: usize| self.inner.get(j).map_or(1.0, |parameter| parameter.outside(1.0));
+        let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| factor(i) * factor(j) * matrix[(i, j)]);
+        let named = |matrix: &DMatrix<f64>| NamedMatrix { names: names.clone(), rows: rows(matrix) };
+        (named(&scaled), named(&correlation(&scaled)))
+    }
+
+    pub(crate) fn nuisances(&self, found: &Found<'_>, point: &Evaluation) -> Vec<NuisanceFound> {
+        let sigma = |i: usize| {
+            let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
+            self.matrix.as_ref().map(|matrix| matrix[(place, place)].sqrt())
+        };
+        (found.linear.columns.iter().enumerate())
+            .map(|(i, column)| NuisanceFound {
+                name: column_name(column, found.data),
+                value: point.coefficients[i],
+                sigma: sigma(i),
+            })
+            .collect()
+    }
+}
+
+fn role_is_free(role: Role) -> bool {
+    matches!(role, Role::Free { .. })
+}
+
+/// `scale`, `lamella_scale` (scale · weight) or `background`, with the curve it belongs to.
+fn column_name(column: &Column, data: &Dataset) -> String {
+    let what = match column.multiplies {
+        Multiplies::Lamella => "lamella_scale",
+        Multiplies::Multilayer | Multiplies::Both => "scale",
+        Multiplies::One => "background",
+    };
+    column.curve.map_or_else(|| what.to_owned(), |curve| format!("{what} of {}", data.curves()[curve]))
+}
