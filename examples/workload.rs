@@ -20,7 +20,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-type Result<T> = std::result::Result<T, Box<dyn Error>>;
+pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> Result<()> {
     let name = std::env::args().nth(1).ok_or("which workload? w1, w2, w3, w3b or w5")?;
@@ -111,7 +111,7 @@ fn values(outcome: &FitOutcome) -> Vec<f64> {
     outcome.parameters.each().iter().map(|(_, e)| e.value.or(e.held_at).unwrap_or(f64::NAN)).collect()
 }
 
-fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
+pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
     let (kind, small) = variant.strip_suffix("_small").map_or((variant, false), |kind| (kind, true));
     let n = |key: &str| number(&workload[key]);
     let range = |key: &str| -> Result<Vec<f64>> {
@@ -151,7 +151,7 @@ fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "samples": values.len() }))
 }
 
-fn one_fit(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {
+pub(crate) fn one_fit(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {
     let table = columns(&folder.join("w2_data.csv"))?;
     let data = dataset(workload, &table[4], number(&workload["sigma"])?)?;
     let settings = start_at(&settings(workload, Extent::None)?, &numbers(&workload["starts"][variant])?);
@@ -168,7 +168,7 @@ fn one_fit(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "x": x, "chi2": chi2, "nev": found.evaluations }))
 }
 
-fn global_fits(workload: &Value, folder: &Path, scaled: bool) -> Result<Value> {
+pub(crate) fn global_fits(workload: &Value, folder: &Path, scaled: bool) -> Result<Value> {
     let table = columns(&folder.join(if scaled { "w3b_data.csv" } else { "w3_data.csv" }))?;
     let settings = settings(workload, if scaled { Extent::Shared } else { Extent::None })?;
     let cases = workload["cases"].as_array().ok_or("no cases")?;
@@ -187,7 +187,7 @@ fn global_fits(workload: &Value, folder: &Path, scaled: bool) -> Result<Value> {
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "x": x, "chi2": chi2, "successes": successes }))
 }
 
-fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {
+pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {
     let truths = columns(&folder.join("w5_truths.csv"))?;
     let noise: Vec<f64> = std::fs::read_to_string(folder.join("noise.csv"))?
         .lines()

@@ -1,0 +1,62 @@
+//! The fixed workloads, whose data and answers another program made: every fit reaches the known chi².
+//!
+//! W3 has 600 kB of data: its test runs where `MORPHO_WORKLOADS` names the folder of the definitions.
+
+#[path = "../examples/workload.rs"]
+#[allow(dead_code, reason = "the example's main is not called")]
+mod workload;
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/workloads")
+}
+
+fn definition(folder: &Path, name: &str) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join(name)).unwrap()).unwrap()
+}
+
+fn list(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn w2_reaches_its_minimum_from_all_three_starts() {
+    for start in ["mixed", "plus", "minus"] {
+        let found = workload::one_fit(&definition(&folder(), "w2.json"), &folder(), start).unwrap();
+        let chi2 = found["chi2"].as_f64().unwrap();
+        // MINPACK's minimum is 2222.125954 to its own tolerance.
+        assert!((chi2 - 2222.125_955).abs() < 2e-6, "{start}: {chi2}");
+    }
+}
+
+#[test]
+fn w3b_finds_the_global_minimum_in_20_of_20() {
+    let workload = definition(&folder(), "w3b.json");
+    let found = workload::global_fits(&workload, &folder(), true).unwrap();
+    for (case, chi2) in workload["cases"].as_array().unwrap().iter().zip(list(&found["chi2"])) {
+        let truth = case["chi2_truth"].as_f64().unwrap();
+        assert!(chi2 <= truth, "{chi2} for {truth}: {case}");
+    }
+    assert_eq!(found["successes"], 20);
+}
+
+#[test]
+fn w3_finds_the_global_minimum_in_20_of_20() {
+    let Some(folder) = std::env::var_os("MORPHO_WORKLOADS").map(PathBuf::from) else {
+        println!("skipped: MORPHO_WORKLOADS is not set");
+        return;
+    };
+    let found = workload::global_fits(&definition(&folder, "w3.json"), &folder, false).unwrap();
+    assert_eq!(found["successes"], 20);
+}
+
+#[test]
+fn w5_fits_all_of_1000_pixels() {
+    let workload = definition(&folder(), "w5.json");
+    let found = workload::pixels(&workload, &folder(), "1000").unwrap();
+    assert_eq!(found["right"], 1000);
+    // 2289 degrees of freedom: five standard deviations.
+    assert!(found["largest_reduced_chi2"].as_f64().unwrap() < 1.15, "{}", found["largest_reduced_chi2"]);
+}
