@@ -27,7 +27,7 @@ fn w2_reaches_its_minimum_from_all_three_starts() {
         let found = workload::one_fit(&definition(&folder(), "w2.json"), &folder(), start).unwrap();
         let chi2 = found["chi2"].as_f64().unwrap();
         // MINPACK's minimum is 2222.125954 to its own tolerance.
-        assert!((chi2 - 2222.125_955).abs() < 2e-6, "{start}: {chi2}");
+        assert!((chi2 - 2_222.125_955).abs() < 2e-6, "{start}: {chi2}");
     }
 }
 

@@ -1,2 +1,37 @@
-//! The `morpho-fit` program.
-fn main() {}
+//! The `morpho-fit` program: parse the command line, run one command, turn what happened into an exit code.
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod args;
+mod commands;
+mod design;
+mod exit;
+mod index_table;
+mod options;
+mod output;
+mod progress;
+mod scans;
+mod settings_file;
+mod values;
+
+use args::{Cli, Command};
+use clap::Parser;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let line: Vec<OsString> = std::env::args_os().collect();
+    match Cli::try_parse_from(&line) {
+        Ok(cli) => exit::code(run(cli, &line)),
+        Err(error) => exit::of_command_line(&error),
+    }
+}
+
+fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
+    let cli = settings_file::merged(cli, line)?;
+    match cli.command {
+        None => commands::fit::run(&cli.fit),
+        Some(Command::Fit(args)) => commands::fit::run(&args),
+        Some(Command::Check(args)) => commands::check::run(&args),
+        Some(Command::Simulate(args)) => commands::simulate::run(&args, line),
+    }
+}

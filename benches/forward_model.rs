@@ -1,0 +1,54 @@
+//! What one reading costs: the three forms of the stack beside each other, and a whole model.
+//!
+//! `cargo bench --bench forward_model`. The closed form should cost the same for any number of layers, and a fraction
+//! of the recurrence.
+
+use divan::{Bencher, black_box};
+use morpho_fit::geometry::{Geometry, Polarization};
+use morpho_fit::optics::multilayer::amplitude::{Component, Layer, reflect_transmit};
+use morpho_fit::optics::multilayer::intensity::recurrence;
+use morpho_fit::optics::multilayer::{Period, reflectivity};
+use morpho_fit::optics::{BlendModel, ReflectivityModel, Stack, Structure};
+use nalgebra::Complex;
+
+fn main() {
+    divan::main();
+}
+
+const LAYERS: [usize; 3] = [3, 9, 81];
+const PERIOD: Period = Period { cuticle: 100.0, gap: 135.0 };
+
+#[divan::bench(args = LAYERS)]
+fn closed_form(bencher: Bencher<'_, '_>, layers: usize) {
+    let media = Stack { layers, ..Stack::default() }.media(480.0).unwrap();
+    bencher.bench(|| reflectivity(black_box(&media), PERIOD, layers, black_box(0.5)).unwrap());
+}
+
+#[divan::bench(args = LAYERS)]
+fn amplitude_recurrence(bencher: Bencher<'_, '_>, layers: usize) {
+    let film = |n, thickness| Layer { index: Complex::new(n, 0.0), thickness };
+    let stack: Vec<Layer> = (0..layers).flat_map(|_| [film(1.56, 100.0), film(1.0, 135.0)]).collect();
+    let air = Complex::new(1.0, 0.0);
+    bencher.bench(|| {
+        [Component::S, Component::P]
+            .map(|component| reflect_transmit(1.0, black_box(&stack), air, 480.0, black_box(0.5), component).unwrap())
+    });
+}
+
+#[divan::bench(args = LAYERS)]
+fn intensity_recurrence_of_the_paper(bencher: Bencher<'_, '_>, layers: usize) {
+    // One admittance at normal incidence: half the work of the other two.
+    let mut admittances = vec![1.0];
+    admittances.extend((0..layers).flat_map(|_| [1.0, 1.56]));
+    admittances.push(1.0);
+    let k = std::f64::consts::TAU / 480.0;
+    let phases: Vec<f64> = (0..layers).flat_map(|_| [2.0 * k * 135.0, 2.0 * k * 156.0]).collect();
+    bencher.bench(|| recurrence(black_box(&admittances), black_box(&phases)).unwrap());
+}
+
+#[divan::bench(args = [0.0, 45.0, 90.0])]
+fn blend(bencher: Bencher<'_, '_>, omega_deg: f64) {
+    let model = BlendModel::default();
+    let geometry = Geometry { theta: 0.1, phi: -0.2, omega: omega_deg.to_radians() };
+    bencher.bench(|| model.reflectivity(&Structure::blue(), black_box(&geometry), Polarization::Unpolarized, 480.0));
+}

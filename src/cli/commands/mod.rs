@@ -1,0 +1,5 @@
+//! One file for each word of the command line, each with one `run`.
+
+pub(crate) mod check;
+pub(crate) mod fit;
+pub(crate) mod simulate;

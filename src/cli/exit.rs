@@ -1,0 +1,104 @@
+//! Exit codes, and the one place where an error becomes words on the terminal.
+
+use crate::output;
+use morpho_fit::dataset::Findings;
+use morpho_fit::inversion::{FitError, SettingsError};
+use morpho_fit::optics::OpticsError;
+use morpho_fit::synthetic::SimulationError;
+use std::error::Error;
+use std::io;
+use std::process::ExitCode;
+
+const READ_OR_WRITE: u8 = 1;
+const USAGE: u8 = 2;
+const BAD_DATA: u8 = 3;
+const NOT_CONVERGED: u8 = 4;
+const NOT_IDENTIFIABLE: u8 = 5;
+
+/// How a command ended that could do its work.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Everything asked for was done.
+    Done,
+    /// The fit found no minimum.
+    NotConverged,
+    /// The fit found a minimum, but not what was asked for; the reason in words.
+    NotIdentifiable(String),
+}
+
+/// A flag, or a combination of flags, that cannot be.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct Usage(pub(crate) String);
+
+/// A file whose content cannot be used; every defect has its own line.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct BadData(pub(crate) String);
+
+/// Ends a run: tells an error on stderr and gives the code.
+pub(crate) fn code(result: anyhow::Result<Outcome>) -> ExitCode {
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::NotConverged) => ExitCode::from(NOT_CONVERGED),
+        Ok(Outcome::NotIdentifiable(reason)) => {
+            output::complain(&reason);
+            ExitCode::from(NOT_IDENTIFIABLE)
+        }
+        // Whoever reads our output has seen enough.
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::complain(&format!("{error:#}"));
+            ExitCode::from(code_of(&error))
+        }
+    }
+}
+
+/// Ends a run whose command line was not understood, or asked for help.
+pub(crate) fn of_command_line(error: &clap::Error) -> ExitCode {
+    // A closed pipe is no reason to complain.
+    let _ = error.print();
+    if error.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS }
+}
+
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))
+}
+
+fn code_of(error: &anyhow::Error) -> u8 {
+    error.chain().find_map(code_of_cause).unwrap_or(READ_OR_WRITE)
+}
+
+fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
+    if cause.is::<Usage>() || cause.is::<SettingsError>() {
+        return Some(USAGE);
+    }
+    if cause.is::<BadData>() || cause.is::<Findings>() {
+        return Some(BAD_DATA);
+    }
+    if let Some(error) = cause.downcast_ref::<OpticsError>() {
+        return Some(code_of_optics(error));
+    }
+    if let Some(error) = cause.downcast_ref::<SimulationError>() {
+        return Some(match error {
+            SimulationError::Optics(error) => code_of_optics(error),
+            _ => USAGE,
+        });
+    }
+    cause.downcast_ref::<FitError>().map(|error| match error {
+        FitError::Optics(error) => code_of_optics(error),
+        FitError::TooFewReadings { .. } => BAD_DATA,
+        FitError::NowhereFinite { .. } => NOT_CONVERGED,
+        _ => USAGE,
+    })
+}
+
+/// A table that does not reach the data is a fault of a file, everything else of a flag.
+fn code_of_optics(error: &OpticsError) -> u8 {
+    match error {
+        OpticsError::OutsideTable { .. } | OpticsError::BadTable { .. } => BAD_DATA,
+        _ => USAGE,
+    }
+}

@@ -1,0 +1,217 @@
+//! From arguments to checked settings and data.
+
+use crate::args::{ModelArgs, ModelWord, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
+use crate::exit::{BadData, Usage};
+use crate::index_table::material;
+use crate::values::{Given, Index, nearest};
+use crate::{output, values};
+use anyhow::{Context, Result};
+use morpho_fit::dataset::{Constants, Dataset, ReadOptions, read_csv};
+use morpho_fit::inversion::{FitSettings, ModelChoice, Nuisances, Parameter, Role, Search};
+use morpho_fit::optics::{Material, Stack};
+use sha2::{Digest, Sha256};
+use std::path::Path;
+
+/// Data and settings of one problem.
+#[derive(Debug)]
+pub(crate) struct Problem {
+    /// The file as it was named.
+    pub(crate) file: String,
+    pub(crate) data: Dataset,
+    pub(crate) settings: FitSettings,
+    /// Hash of the file where the data are not read from its very bytes.
+    pub(crate) sha256: Option<String>,
+}
+
+impl Problem {
+    /// Reads the data and checks every choice.
+    pub(crate) fn read(args: &ProblemArgs) -> Result<Self> {
+        let settings = settings(args)?;
+        threads(&args.nuisances)?;
+        let path = args.data.as_deref().ok_or_else(|| Usage("give a CSV file".to_owned()))?;
+        let bytes = match output::read(path) {
+            Err(error) if !path.exists() => return Err(missing(path, error)),
+            other => other?,
+        };
+        let file = if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() };
+        let mut sha256 = None;
+        let bytes = match &args.reading.intensity_column {
+            Some(heading) => {
+                sha256 = Some(Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect());
+                with_intensity(&bytes, heading).map_err(|problem| BadData(format!("{file}:{problem}")))?
+            }
+            None => bytes,
+        };
+        let data = read_csv(&bytes, &reading(&args.reading)).map_err(|findings| findings.in_file(&file))?;
+        Ok(Self { file, data, settings, sha256 })
+    }
+}
+
+/// A file that is not there may be a mistyped word.
+fn missing(path: &Path, error: anyhow::Error) -> anyhow::Error {
+    let name = path.to_string_lossy();
+    match nearest(&name, &["fit", "check", "simulate", "help"]).filter(|_| !name.contains(['.', '/', '\\'])) {
+        Some(word) => {
+            Usage(format!("`{name}` is neither a file nor a command; did you mean `morpho-fit {word}`?")).into()
+        }
+        None => error.context(
+            "there is no data to read; name a CSV file, or make one to try with `morpho-fit simulate --out try.csv`",
+        ),
+    }
+}
+
+fn reading(args: &ReadingArgs) -> ReadOptions {
+    ReadOptions {
+        constants: Constants {
+            wavelength_nm: args.wavelength,
+            theta_deg: args.theta,
+            phi_deg: args.phi,
+            omega_deg: args.omega,
+            sigma: args.sigma,
+            polarization: args.polarization.map(crate::args::PolarizationWord::value),
+        },
+        wide: args.wide.map(crate::args::WideWord::value),
+        max_bytes: output::MOST_BYTES,
+        required_readings: 0,
+    }
+}
+
+/// The file with `heading` renamed to `intensity`, and an `intensity` that there was renamed in turn.
+fn with_intensity(bytes: &[u8], heading: &str) -> Result<Vec<u8>, String> {
+    let mut start = 0;
+    let line = bytes.split_inclusive(|byte| *byte == b'\n').find(|line| {
+        let is_heading = !line.starts_with(b"#") && !line.trim_ascii().is_empty();
+        start += if is_heading { 0 } else { line.len() };
+        is_heading
+    });
+    let text = String::from_utf8_lossy(line.unwrap_or_default()).into_owned();
+    let separators = if text.contains(';') {
+        ';'
+    } else if text.contains('\t') {
+        '\t'
+    } else {
+        ','
+    };
+    let bare = |cell: &str| cell.trim().trim_start_matches('\u{FEFF}').trim_matches('"').to_owned();
+    let cells: Vec<String> = text.split(separators).map(bare).collect();
+    let number = 1 + bytes[..start].iter().filter(|byte| **byte == b'\n').count();
+    if !cells.iter().any(|cell| cell == heading) {
+        let names: Vec<&str> = cells.iter().map(String::as_str).collect();
+        let meant = nearest(heading, &names).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
+        return Err(format!("{number}: there is no column `{heading}`; there are {}{meant}", names.join(", ")));
+    }
+    let rename = |cell: &String| match cell.as_str() {
+        name if name == heading => "intensity".to_owned(),
+        "intensity" => "other intensity".to_owned(),
+        _ => cell.clone(),
+    };
+    let renamed = cells.iter().map(rename).collect::<Vec<_>>().join(&separators.to_string());
+    let mut whole = bytes[..start].to_vec();
+    whole.extend_from_slice(renamed.as_bytes());
+    whole.push(b'\n');
+    whole.extend_from_slice(bytes.get(start + line.map_or(0, <[u8]>::len)..).unwrap_or_default());
+    Ok(whole)
+}
+
+fn threads(args: &NuisanceArgs) -> Result<()> {
+    let Some(count) = args.threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(count.into()).build_global().context("the threads cannot be started")
+}
+
+fn settings(args: &ProblemArgs) -> Result<FitSettings> {
+    let NuisanceArgs { scale, background, weight, loss, local, seed, .. } = args.nuisances;
+    let mut settings = FitSettings {
+        model: model(&args.model)?,
+        stack: stack(&args.model)?,
+        nuisances: Nuisances { scale: scale.value(), weight, background: background.value() },
+        loss: loss.value(),
+        search: if local { Search::Local } else { Search::Global },
+        seed,
+        required: args.parameters.require.clone(),
+        ..FitSettings::default()
+    };
+    roles(&mut settings, &args.parameters)?;
+    settings.validate()?;
+    Ok(settings)
+}
+
+pub(crate) fn model(args: &ModelArgs) -> Result<ModelChoice, Usage> {
+    match args.model {
+        ModelWord::Paper => Ok(ModelChoice::Paper {
+            snell: args.snell.map(crate::args::SnellWord::value).unwrap_or_default(),
+            admittance: args.admittance.map(crate::args::AdmittanceWord::value).unwrap_or_default(),
+            lamella_unit: args.lamella_unit.unwrap_or_default(),
+        }),
+        ModelWord::Blend => {
+            let given = [
+                ("--snell", args.snell.is_some()),
+                ("--admittance", args.admittance.is_some()),
+                ("--lamella-unit", args.lamella_unit.is_some()),
+            ];
+            match given.into_iter().find(|(_, given)| *given) {
+                Some((flag, _)) => Err(Usage(format!("{flag} is a choice of the paper's formulas; add --model paper"))),
+                None => Ok(ModelChoice::Blend),
+            }
+        }
+    }
+}
+
+pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
+    let usual = Stack::default();
+    let of =
+        |index: &Option<Index>, flag, usual: Material| index.as_ref().map_or(Ok(usual), |index| material(index, flag));
+    let stack = Stack {
+        ambient: of(&args.n_ambient, "--n-ambient", usual.ambient)?,
+        cuticle: of(&args.n_cuticle, "--n-cuticle", usual.cuticle)?,
+        gap: of(&args.n_gap, "--n-gap", usual.gap)?,
+        base: of(&args.n_base, "--n-base", usual.base)?,
+        layers: args.layers,
+    };
+    if !(1..=morpho_fit::optics::MAX_LAYERS).contains(&stack.layers) {
+        let (found, most) = (stack.layers, morpho_fit::optics::MAX_LAYERS);
+        return Err(Usage(format!("--layers {found}: the number of layers is from 1 to {most}")).into());
+    }
+    Ok(stack)
+}
+
+fn roles(settings: &mut FitSettings, args: &ParameterArgs) -> Result<(), Usage> {
+    let mut said: [Option<&str>; morpho_fit::inversion::COUNT] = Default::default();
+    for (flag, list) in [("--fix", &args.fix), ("--bounds", &args.bounds), ("--link", &args.link)] {
+        for &Given { parameter, role } in list {
+            let earlier = said[parameter.index()].replace(flag);
+            if let Some(earlier) = earlier.filter(|earlier| *earlier != flag) {
+                return Err(Usage(format!(
+                    "{parameter} is given with {earlier} and with {flag}; leave one of them out"
+                )));
+            }
+            settings.roles[parameter.index()] = role;
+        }
+    }
+    for &values::Assignment { parameter, value } in &args.start {
+        if !matches!(settings.roles[parameter.index()], Role::Free { .. }) {
+            return Err(Usage(format!("{parameter} is not free; leave --start {parameter} out")));
+        }
+        settings.start[parameter.index()] = Some(value);
+    }
+    if Parameter::ALL.iter().all(|parameter| !matches!(settings.roles[parameter.index()], Role::Free { .. })) {
+        return Err(Usage("no parameter is free; there is nothing to fit".to_owned()));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_intensity_is_taken_from_the_column_that_is_named() {
+        let csv = b"# two\nwavelength_nm,R_a,intensity\r\n400,1,2\n";
+        let renamed = with_intensity(csv, "R_a").unwrap();
+        assert_eq!(renamed, b"# two\nwavelength_nm,intensity,other intensity\n400,1,2\n");
+        let message = with_intensity(csv, "R_b").unwrap_err();
+        assert_eq!(
+            message,
+            "2: there is no column `R_b`; there are wavelength_nm, R_a, intensity; did you mean `R_a`?"
+        );
+    }
+}

@@ -1,0 +1,32 @@
+//! What is being done, for a person who waits: a line on the terminal, silence in a pipe.
+
+use indicatif::{ProgressBar, ProgressDrawTarget};
+use std::time::Duration;
+
+const BETWEEN_TICKS: Duration = Duration::from_millis(100);
+
+/// A line that says what is being done until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    /// Visible only if standard error is a terminal and nobody asked for silence.
+    pub(crate) fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        if !quiet {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+            bar.enable_steady_tick(BETWEEN_TICKS);
+        }
+        Self(bar)
+    }
+
+    pub(crate) fn tell(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,9 @@
+//! Results in words: the one-screen report, the captions of plots, the sentences of the verdict.
+
+mod digits;
+mod table;
+pub mod terminal;
+pub mod wording;
+
+pub use digits::{plain, with_sigma};
+pub use table::{Align, Table};

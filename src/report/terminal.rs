@@ -1,0 +1,165 @@
+//! The report of a fit for a terminal: one screen, what matters most first.
+
+use super::digits::{plain, with_sigma};
+use super::table::{Align, Table};
+use super::wording;
+use crate::inversion::{Estimate, Fit, FitOutcome, NuisanceFound};
+
+/// Warnings that are told; all of them are in `fit.json`.
+const WARNINGS: usize = 6;
+/// Nuisances that are told.
+const NUISANCES: usize = 6;
+/// Curves that are named.
+const CURVES: usize = 4;
+/// Narrowest screen that is filled.
+const NARROWEST: usize = 60;
+
+/// The report: verdict, warnings, parameters, what follows from them, and how well the model meets the data.
+///
+/// - `width`: of the screen, in characters; sentences are wrapped, the table is about 90 wide.
+#[must_use]
+pub fn text(fit: &Fit, width: usize) -> String {
+    let (outcome, width) = (&fit.outcome, width.max(NARROWEST));
+    let mut report = wrapped(&capitalised(&wording::verdict(outcome)), "", "", width);
+    report.push('\n');
+    for warning in outcome.warnings.iter().take(WARNINGS) {
+        report.push_str(&wrapped(warning, "! ", "  ", width));
+    }
+    let more = outcome.warnings.len().saturating_sub(WARNINGS);
+    if more > 0 {
+        report.push_str(&format!("! and {more} more in fit.json\n"));
+    }
+    if !outcome.warnings.is_empty() {
+        report.push('\n');
+    }
+    report.push_str(&parameters(outcome));
+    report.push('\n');
+    for line in [nuisances(&outcome.nuisance), goodness(outcome), minima(outcome), data(outcome)] {
+        report.push_str(&wrapped(&line, "  ", "    ", width));
+    }
+    report
+}
+
+fn parameters(outcome: &FitOutcome) -> String {
+    let right = Align::Right;
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("value", right),
+        ("", Align::Left),
+        ("unit", Align::Left),
+        ("95 % interval", Align::Left),
+        ("status", Align::Left),
+    ]);
+    for (name, estimate) in outcome.parameters.each() {
+        table.row(row(name, estimate));
+    }
+    table.row([""; 6]);
+    table.row(row("d_air + d_cuticle", &outcome.derived.period));
+    table.row(row("optical sum", &outcome.derived.optical_sum));
+    table.to_string()
+}
+
+fn row(name: &str, estimate: &Estimate) -> [String; 6] {
+    let (value, sigma) = match (estimate.value, estimate.sigma) {
+        (None, _) => ("—".to_owned(), String::new()),
+        (Some(value), None) => (plain(value), String::new()),
+        (Some(value), Some(sigma)) => {
+            let (value, sigma) = with_sigma(value, sigma);
+            (value, format!("± {sigma}"))
+        }
+    };
+    [name.to_owned(), value, sigma, estimate.unit.clone(), wording::interval(estimate), wording::status(estimate)]
+}
+
+fn nuisances(found: &[NuisanceFound]) -> String {
+    let one = |nuisance: &NuisanceFound| match nuisance.sigma {
+        Some(sigma) => {
+            let (value, sigma) = with_sigma(nuisance.value, sigma);
+            format!("{} {value} ± {sigma}", nuisance.name)
+        }
+        None => format!("{} {}", nuisance.name, plain(nuisance.value)),
+    };
+    let mut texts: Vec<String> = found.iter().take(NUISANCES).map(one).collect();
+    let more = found.len().saturating_sub(NUISANCES);
+    texts.extend((more > 0).then(|| format!("and {more} more in fit.json")));
+    texts.join(", ")
+}
+
+fn goodness(outcome: &FitOutcome) -> String {
+    let source = wording::sigma_source(outcome.sigma_source);
+    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+    let per = outcome.chi2 / outcome.dof as f64;
+    if outcome.dof == 0 {
+        return format!("chi² {} without degrees of freedom; {source}", plain(outcome.chi2));
+    }
+    let (chi2, dof) = (plain(outcome.chi2), outcome.dof);
+    let scatter = outcome.sigma_source == crate::inversion::SigmaSource::Scatter;
+    if scatter {
+        return format!("scatter {} with {dof} degrees of freedom; {source}", plain(per.sqrt()));
+    }
+    format!("chi² {chi2} for {dof} degrees of freedom, {} each; {source}", plain(per))
+}
+
+fn minima(outcome: &FitOutcome) -> String {
+    match outcome.minima.as_slice() {
+        [first, second, ..] => format!(
+            "{} distinct minima; the second has chi² {} against {}",
+            outcome.minima.len(),
+            plain(second.chi2),
+            plain(first.chi2)
+        ),
+        _ => String::new(),
+    }
+}
+
+fn data(outcome: &FitOutcome) -> String {
+    let curves = &outcome.data.curves;
+    let readings = outcome.data.readings;
+    let mut text = match curves.as_slice() {
+        [_] => format!("{readings} readings"),
+        named if named.len() <= CURVES => {
+            format!("{readings} readings in {} curves: {}", named.len(), named.join(", "))
+        }
+        named => format!("{readings} readings in {} curves", named.len()),
+    };
+    for note in &outcome.data.notes {
+        text.push_str("; ");
+        text.push_str(note);
+    }
+    text
+}
+
+fn capitalised(text: &str) -> String {
+    // A parameter's name keeps its small letter.
+    if text.split(' ').next().is_some_and(|word| word.contains('_') || word.trim_end_matches(',') == "delta") {
+        return text.to_owned();
+    }
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+/// Words of `text` in lines of at most `width` characters, the first after `first`, the others after `next`.
+fn wrapped(text: &str, first: &str, next: &str, width: usize) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    let mut lines = String::new();
+    let mut line = first.to_owned();
+    let mut empty = true;
+    for word in text.split_whitespace() {
+        if !empty && line.chars().count() + 1 + word.chars().count() > width {
+            lines.push_str(&line);
+            lines.push('\n');
+            line = next.to_owned();
+            empty = true;
+        }
+        if !empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+        empty = false;
+    }
+    lines.push_str(&line);
+    lines.push('\n');
+    lines
+}

@@ -1,0 +1,143 @@
+//! Sentences about a fit: the verdict, the status of a parameter, the values in one line.
+
+use super::digits::{plain, to_place_of, with_sigma};
+use crate::inversion::{Estimate, FitOutcome, SigmaSource, Status, Verdict};
+
+/// The verdict as a sentence without a full stop, the first line of every report.
+#[must_use]
+pub fn verdict(outcome: &FitOutcome) -> String {
+    match outcome.verdict {
+        Verdict::Determined => determined(outcome),
+        Verdict::PartlyDetermined => partly(outcome),
+        Verdict::NothingDetermined => {
+            "a minimum was found, but it determines no thickness, not even their sum".to_owned()
+        }
+        Verdict::NotConverged => format!("no minimum was found: {}", outcome.termination.phrase()),
+    }
+}
+
+fn free(outcome: &FitOutcome) -> Vec<(&'static str, &Estimate)> {
+    let is_free = |(name, _): &(&str, &Estimate)| outcome.identifiability.free.iter().any(|free| free == name);
+    outcome.parameters.each().into_iter().filter(is_free).collect()
+}
+
+fn determined(outcome: &FitOutcome) -> String {
+    let names: Vec<&str> = free(outcome).iter().map(|(name, _)| *name).collect();
+    match names.as_slice() {
+        all if all.len() == outcome.parameters.each().len() => "all five parameters are determined".to_owned(),
+        names => format!("{} {} determined", list(names), is(names)),
+    }
+}
+
+fn partly(outcome: &FitOutcome) -> String {
+    let names = |keep: &dyn Fn(Status) -> bool| -> Vec<&str> {
+        free(outcome).iter().filter(|(_, estimate)| keep(estimate.status)).map(|(name, _)| *name).collect()
+    };
+    let known = names(&Status::is_determined);
+    let on_a_bound = names(&|status| status == Status::AtBound);
+    let unknown = names(&|status| !status.is_determined() && status != Status::AtBound);
+    let mut parts = Vec::new();
+    let split = ["d_air", "d_cuticle"].iter().all(|name| unknown.contains(name));
+    let sums = [("period", &outcome.derived.period), ("optical sum", &outcome.derived.optical_sum)];
+    let sum = sums.into_iter().find(|(_, sum)| split && sum.status.is_determined()).map(|(name, _)| name);
+    if let Some(sum) = sum {
+        parts.push(format!("the {sum} of the layers is determined, its split into d_air and d_cuticle is not"));
+    }
+    if !known.is_empty() {
+        parts.push(format!("{} {} determined", list(&known), is(&known)));
+    }
+    let rest: Vec<&str> =
+        unknown.into_iter().filter(|name| sum.is_none() || !["d_air", "d_cuticle"].contains(name)).collect();
+    if !rest.is_empty() {
+        parts.push(format!("{} {} not", list(&rest), is(&rest)));
+    }
+    if !on_a_bound.is_empty() {
+        parts.push(format!("{} ended on a bound", list(&on_a_bound)));
+    }
+    parts.join("; ")
+}
+
+fn is(names: &[&str]) -> &'static str {
+    if names.len() == 1 { "is" } else { "are" }
+}
+
+/// `a`, `a and b`, `a, b and c`.
+#[must_use]
+pub fn list(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [head @ .., last] => format!("{} and {last}", head.join(", ")),
+    }
+}
+
+/// The status of an estimate with the parameters that it is tied to.
+#[must_use]
+pub fn status(estimate: &Estimate) -> String {
+    let phrase = estimate.status.phrase();
+    let with: Vec<&str> = estimate.with.iter().map(String::as_str).collect();
+    match (with.as_slice(), estimate.status) {
+        ([], _) => phrase.to_owned(),
+        (with, Status::Linked) => format!("{phrase} to {}", list(with)),
+        (with, Status::NotIdentifiable) => format!("{phrase} apart from {}", list(with)),
+        (with, _) => format!("{phrase} with {}", list(with)),
+    }
+}
+
+/// An interval in words; an open end is a bound of the search.
+#[must_use]
+pub fn interval(estimate: &Estimate) -> String {
+    let number = |value: f64| estimate.sigma.map_or_else(|| plain(value), |sigma| to_place_of(value, sigma));
+    match estimate.interval_95 {
+        None => String::new(),
+        Some([Some(low), Some(high)]) => format!("{} to {}", number(low), number(high)),
+        Some([Some(low), None]) => format!("above {}", number(low)),
+        Some([None, Some(high)]) => format!("below {}", number(high)),
+        Some([None, None]) => "all of the bounds".to_owned(),
+    }
+}
+
+/// What was found, in one line: `d_air 141.04 ± 0.27 nm, …`; what is not determined is left out.
+#[must_use]
+pub fn values(outcome: &FitOutcome) -> String {
+    let one = |(name, estimate): (&str, &Estimate)| {
+        let value = estimate.value?;
+        let unit = &estimate.unit;
+        Some(match estimate.sigma {
+            Some(sigma) => {
+                let (value, sigma) = with_sigma(value, sigma);
+                format!("{name} {value} ± {sigma} {unit}")
+            }
+            None => format!("{name} {} {unit} ({})", plain(value), estimate.status.phrase()),
+        })
+    };
+    let mut found: Vec<String> = outcome.parameters.each().into_iter().filter_map(one).collect();
+    let thickness = |name: &str| found.iter().any(|text| text.starts_with(name));
+    if !(thickness("d_air") || thickness("d_cuticle")) {
+        let sums = [("d_air + d_cuticle", &outcome.derived.period), ("optical sum", &outcome.derived.optical_sum)];
+        found.splice(0..0, sums.into_iter().filter_map(one).take(1));
+    }
+    found.join(", ")
+}
+
+/// Where the standard deviations come from.
+#[must_use]
+pub fn sigma_source(source: SigmaSource) -> &'static str {
+    match source {
+        SigmaSource::Stated => "sigma as the data state it",
+        SigmaSource::Widened => "sigma of the data, widened because the model misses them",
+        SigmaSource::Scatter => "sigma from the scatter about the model: the data state none",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_read_like_sentences() {
+        assert_eq!(list(&["a", "b", "c"]), "a, b and c");
+        assert_eq!(list(&["a", "b"]), "a and b");
+        assert_eq!(list(&["a"]), "a");
+    }
+}
