@@ -75,7 +75,7 @@ fn a_flat_line_and_pure_noise_give_no_thickness() {
     });
     for data in [flat, noisy] {
         let found = quiet(&data, &FitSettings::default()).outcome;
-        assert!(matches!(found.verdict, Verdict::NothingDetermined | Verdict::NotConverged), "{:?}", found.verdict);
+        assert!(matches!(found.verdict, Verdict::NoThickness | Verdict::NotConverged), "{:?}", found.verdict);
         for (name, estimate) in found.parameters.each() {
             assert!(!estimate.status.is_determined(), "{name}: {estimate:?}");
         }

@@ -63,14 +63,25 @@ pub(crate) fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = 
     found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best < AS_GOOD * unit * unit)
 }
 
-/// Values of a parameter, user units, at other minima that fit as well, where they differ from the estimate.
-fn others(found: &Found<'_>, estimate: &Estimate, parameter: Parameter, unit: f64) -> Vec<f64> {
-    let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return Vec::new() };
-    let far = (ELSEWHERE * sigma).max(NOTICEABLE * parameter.outside(parameter.typical_change()));
-    as_good(found, unit)
-        .map(|minimum| parameter.outside(found.searched.freedom.expand(&minimum.parameters)[parameter.index()]))
+/// Marks an estimate as ambiguous if `quantity`, in its unit, is another at other minima that fit as well.
+///
+/// - `noticeable`: a difference below this is none, in the same unit.
+fn mark_ambiguous(
+    estimate: &mut Estimate,
+    found: &Found<'_>,
+    unit: f64,
+    noticeable: f64,
+    quantity: impl Fn(&[f64; COUNT]) -> f64,
+) {
+    let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return };
+    let far = (ELSEWHERE * sigma).max(noticeable);
+    estimate.others = as_good(found, unit)
+        .map(|minimum| quantity(&found.searched.freedom.expand(&minimum.parameters)))
         .filter(|other| (other - value).abs() > far)
-        .collect()
+        .collect();
+    if !estimate.others.is_empty() {
+        estimate.status = Status::Ambiguous;
+    }
 }
 
 /// Real indices of gap and cuticle at the middle wavelength of the data.
@@ -176,10 +187,9 @@ impl Uncertainty {
                 estimate.status = Status::Correlated;
             }
         }
-        estimate.others = others(found, &estimate, parameter, self.unit);
-        if !estimate.others.is_empty() {
-            estimate.status = Status::Ambiguous;
-        }
+        let noticeable = NOTICEABLE * parameter.outside(parameter.typical_change());
+        let value = |values: &[f64; COUNT]| parameter.outside(values[parameter.index()]);
+        mark_ambiguous(&mut estimate, found, self.unit, noticeable, value);
         estimate
     }
 
@@ -244,6 +254,9 @@ impl Uncertainty {
             }
             let sigma = self.variance(&gradient, found).map(|variance| (variance + extra).sqrt());
             self.finish(&mut estimate, sigma);
+            let noticeable = NOTICEABLE * Parameter::DAir.typical_change();
+            let sum = |values: &[f64; COUNT]| gradient.iter().zip(values).map(|(g, value)| g * value).sum();
+            mark_ambiguous(&mut estimate, found, self.unit, noticeable, sum);
             estimate
         };
         Derived { period: of([1.0, 1.0, 0.0, 0.0, 0.0]), optical_sum: of([gap, cuticle, 0.0, 0.0, 0.0]) }

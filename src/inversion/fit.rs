@@ -7,7 +7,7 @@ use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
-use crate::inversion::search::{self, FINE, Space};
+use crate::inversion::search::{self, APART, FINE, Space};
 use crate::inversion::settings::{FitSettings, Search, SettingsError};
 use crate::inversion::summary::summarise;
 use crate::optics::OpticsError;
@@ -99,6 +99,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     }
     progress("asking what the data determine");
     let (held, final_space, best) = hold_undetermined(settings, &plan, &linear, &robust, &space, &minima[0], data)?;
+    let minima = apart_beyond(minima, &held, &space);
     Ok(summarise(&Found {
         data,
         settings,
@@ -189,6 +190,42 @@ pub(crate) fn unit_of_residuals(data: &Dataset, sum_of_squares: f64, dof: usize)
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let scatter = (sum_of_squares / dof as f64).sqrt();
     if scatter > 0.0 { scatter } else { f64::MIN_POSITIVE.sqrt() }
+}
+
+/// The minima that differ by more than a move along the undetermined directions: minima along these are one answer.
+fn apart_beyond(minima: Vec<Minimum>, held: &[Held], space: &Space) -> Vec<Minimum> {
+    let free = &space.freedom.free;
+    let mut flat: Vec<DVector<f64>> = Vec::new();
+    for held in held {
+        let mut direction = DVector::zeros(free.len());
+        for (parameter, step) in &held.direction {
+            if let Some(j) = free.iter().position(|other| other == parameter) {
+                direction[j] = step / space.scales[j];
+            }
+        }
+        for other in &flat {
+            let along = direction.dot(other);
+            direction -= other * along;
+        }
+        if direction.norm() > 0.0 {
+            flat.push(direction.normalize());
+        }
+    }
+    let mut kept: Vec<Minimum> = Vec::new();
+    for minimum in minima {
+        let known = kept.iter().any(|other| {
+            let mut step = (&minimum.parameters - &other.parameters).component_div(&space.scales);
+            for direction in &flat {
+                let along = step.dot(direction);
+                step -= direction * along;
+            }
+            step.amax() <= APART
+        });
+        if !known {
+            kept.push(minimum);
+        }
+    }
+    kept
 }
 
 /// Takes out one parameter for each direction that the data do not determine, and fits the others again.

@@ -223,8 +223,8 @@ pub enum Verdict {
     Determined,
     /// A minimum, and a part of what is free is determined.
     PartlyDetermined,
-    /// A minimum that determines no thickness, not even their sum.
-    NothingDetermined,
+    /// A minimum that determines no thickness, not even a sum of them.
+    NoThickness,
     /// No minimum was found.
     NotConverged,
 }

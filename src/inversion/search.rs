@@ -37,7 +37,7 @@ const HOPELESS: f64 = 3.0;
 
 /// Refined minima nearer than this share of a change that matters are one: the kinks of the lobe at its edges leave
 /// several little ones about each.
-const APART: f64 = 0.2;
+pub(crate) const APART: f64 = 0.2;
 /// Inner grid of the cells that are polished: tilts, lobe widths, lamella widths.
 const FINER: [usize; 3] = [13, 5, 5];
 /// Mirror images in the tilt are polished for so many of the best cells: many designs cannot tell its sign.

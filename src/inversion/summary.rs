@@ -171,7 +171,7 @@ fn verdict(found: &Found<'_>, estimates: &[Estimate; COUNT], derived: &Derived) 
     let nothing =
         thickness && ![&estimates[0], &estimates[1], &derived.period, &derived.optical_sum].into_iter().any(told);
     if nothing {
-        Verdict::NothingDetermined
+        Verdict::NoThickness
     } else if Parameter::ALL.iter().filter(|p| asked(p)).all(|p| told(&estimates[p.index()])) {
         Verdict::Determined
     } else {
