@@ -1,4 +1,5 @@
 //! The command line as clap reads it. Help texts are sentences with units and defaults.
+#![allow(clippy::doc_markdown, reason = "the comments are help texts, which a terminal shows as they are")]
 
 use crate::scans::ScanRequest;
 use crate::values::{self, Assignment, Given, Index};

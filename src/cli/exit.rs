@@ -48,9 +48,20 @@ pub(crate) fn code(result: anyhow::Result<Outcome>) -> ExitCode {
         // Whoever reads our output has seen enough.
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            output::complain(&format!("{error:#}"));
+            output::complain(&message(&error));
             ExitCode::from(code_of(&error))
         }
+    }
+}
+
+/// The error with its causes; findings about a file begin their lines with its name, as compilers do, and are counted.
+fn message(error: &anyhow::Error) -> String {
+    match error.chain().find_map(|cause| cause.downcast_ref::<Findings>()) {
+        Some(findings) => {
+            let total = findings.total();
+            format!("the data cannot be used\n{findings}\n{total} {}", if total == 1 { "defect" } else { "defects" })
+        }
+        None => format!("{error:#}"),
     }
 }
 

@@ -1,5 +1,8 @@
 //! The `morpho-fit` program: parse the command line, run one command, turn what happened into an exit code.
-#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![cfg_attr(
+    not(test),
+    warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, clippy::print_stderr)
+)]
 
 mod args;
 mod commands;

@@ -12,6 +12,8 @@ const PANELS: usize = 9;
 const INVISIBLE: f64 = 1e-6;
 /// Residuals within so many standard deviations are what noise does.
 const USUAL: f64 = 2.0;
+/// Half the least height of a residual panel, in standard deviations.
+const LEAST_HEIGHT: f64 = 3.5;
 
 const MEASURED: usize = 0;
 const MODEL: usize = 1;
@@ -42,6 +44,8 @@ struct View<'a> {
     data: Vec<&'a Reading>,
     fitted: Vec<&'a FittedReading>,
     has_sigma: bool,
+    /// Half the height of all residual panels, so that they can be compared.
+    height: f64,
 }
 
 impl View<'_> {
@@ -58,6 +62,8 @@ impl View<'_> {
 
 fn figure(data: &Dataset, fit: &Fit, title: &str, values: &str, panel: fn(&View<'_>) -> Panel) -> Figure {
     let (slices, all) = shown(data, PANELS);
+    let drawn = slices.iter().flat_map(|slice| &slice.readings).filter_map(|&index| fit.readings.get(index));
+    let height = drawn.map(|fitted| 1.06 * fitted.normalised.abs()).fold(LEAST_HEIGHT, f64::max);
     let mut subtitle = values.to_owned();
     if slices.len() < all {
         let separator = if subtitle.is_empty() { "" } else { " · " };
@@ -69,6 +75,7 @@ fn figure(data: &Dataset, fit: &Fit, title: &str, values: &str, panel: fn(&View<
             data: slice.readings.iter().filter_map(|&index| data.readings().get(index)).collect(),
             fitted: slice.readings.iter().filter_map(|&index| fit.readings.get(index)).collect(),
             has_sigma: data.has_sigma(),
+            height,
         };
         Panel { title: heading(data, slice), x_label: slice.along.label().to_owned(), ..panel(&view) }
     });
@@ -76,6 +83,7 @@ fn figure(data: &Dataset, fit: &Fit, title: &str, values: &str, panel: fn(&View<
 }
 
 fn curve_panel(view: &View<'_>) -> Panel {
+    type Part = fn(&FittedReading) -> f64;
     let sigma = view.data.iter().map(|reading| reading.sigma).collect();
     let measured = PointSeries {
         name: "measured".to_owned(),
@@ -84,10 +92,9 @@ fn curve_panel(view: &View<'_>) -> Panel {
         sigma,
         colour: MEASURED,
     };
-    let largest =
-        |part: fn(&FittedReading) -> f64| view.fitted.iter().map(|fitted| part(fitted).abs()).fold(0.0, f64::max);
+    let largest = |part: Part| view.fitted.iter().map(|fitted| part(fitted).abs()).fold(0.0, f64::max);
     let visible = INVISIBLE * largest(|fitted| fitted.model);
-    let parts: [(&str, usize, fn(&FittedReading) -> f64); 3] = [
+    let parts: [(&str, usize, Part); 3] = [
         ("lamella part", LAMELLA, |fitted| fitted.lamella),
         ("multilayer part", MULTILAYER, |fitted| fitted.multilayer),
         ("background", BACKGROUND, |fitted| fitted.background),
@@ -110,6 +117,7 @@ fn residual_panel(view: &View<'_>) -> Panel {
     };
     Panel {
         y_label: if view.has_sigma { "residual / σ" } else { "residual / scatter" }.to_owned(),
+        y_range: Some((-view.height, view.height)),
         points: vec![residuals],
         horizontal_lines: vec![0.0],
         bands: vec![(-USUAL, USUAL)],
@@ -147,16 +155,16 @@ fn heading(data: &Dataset, slice: &Slice) -> String {
 /// `φ = −θ`, or with a constant.
 fn relation(theta: &str, constant: f64) -> String {
     let constant = rounded(constant);
-    match constant.strip_prefix('-') {
+    match constant.strip_prefix('−') {
         None if constant == "0" => format!("φ = {theta}"),
         None => format!("φ = {theta} + {constant}°"),
         Some(size) => format!("φ = {theta} − {size}°"),
     }
 }
 
-/// A coordinate without the last digits of its conversion.
+/// A coordinate without the last digits of its conversion, with a minus that is as wide as the axes'.
 fn rounded(value: f64) -> String {
-    format!("{}", (value * 1e4).round() / 1e4 + 0.0)
+    format!("{}", (value * 1e4).round() / 1e4 + 0.0).replace('-', "−")
 }
 
 #[cfg(test)]
@@ -170,7 +178,9 @@ mod tests {
     #[test]
     fn each_record_of_the_full_design_has_its_panel() {
         let model = BlendModel::default();
-        let data = simulate(&model, &Structure::blue(), &Scan::full_design(), 1.0, 0.01, 3).unwrap();
+        let blue = Structure::blue();
+        let scans = Scan::full_design(&model, &blue).unwrap();
+        let data = simulate(&model, &blue, &scans, 1.0, 0.01, 3).unwrap();
         let local = FitSettings { search: Search::Local, ..FitSettings::default() };
         let found = fit(&data, &local, &|_| {}).unwrap();
         let curves = curves_figure(&data, &found, "title", "values");

@@ -1,6 +1,6 @@
 //! Readings in lines that can be drawn: runs of one coordinate while the others stand still.
 
-use std::collections::{BTreeMap, BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
 use crate::dataset::{Dataset, Reading};
 use crate::units::degrees;
@@ -53,6 +53,9 @@ impl Along {
     }
 }
 
+/// What varies, and where the rest stands still.
+type Run = (Along, (i64, i64));
+
 /// Readings of one curve, plane and polarization along one coordinate, by rising abscissa.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Slice {
@@ -91,20 +94,20 @@ pub(super) fn shown(data: &Dataset, most: usize) -> (Vec<Slice>, usize) {
 /// The fewest runs, or nearly so, that hold every reading of a group: always the longest run of what is left.
 fn cover(data: &Dataset, group: &[usize]) -> Vec<Slice> {
     let readings = data.readings();
-    let mut runs: BTreeMap<(Along, (i64, i64)), Vec<usize>> = BTreeMap::new();
+    let mut runs: BTreeMap<Run, Vec<usize>> = BTreeMap::new();
     for &index in group {
         for along in Along::ALL {
             runs.entry((along, along.still(&readings[index]))).or_default().push(index);
         }
     }
-    let runs: Vec<((Along, (i64, i64)), Vec<usize>)> = runs.into_iter().collect();
-    let mut left: HashMap<usize, ()> = group.iter().map(|&index| (index, ())).collect();
+    let runs: Vec<(Run, Vec<usize>)> = runs.into_iter().collect();
+    let mut left: HashSet<usize> = group.iter().copied().collect();
     // The first of equally long runs goes first.
     let mut queue: BinaryHeap<(usize, std::cmp::Reverse<usize>)> =
         runs.iter().enumerate().map(|(run, (_, members))| (members.len(), std::cmp::Reverse(run))).collect();
     let mut taken = Vec::new();
     while let Some((length, std::cmp::Reverse(run))) = queue.pop() {
-        let new = runs[run].1.iter().filter(|index| left.contains_key(index)).count();
+        let new = runs[run].1.iter().filter(|index| left.contains(index)).count();
         if new == 0 {
             continue;
         }

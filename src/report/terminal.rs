@@ -11,6 +11,10 @@ const WARNINGS: usize = 6;
 const NUISANCES: usize = 6;
 /// Curves that are named.
 const CURVES: usize = 4;
+/// Notes on the data that are told.
+const NOTES: usize = 2;
+/// A second minimum with so many times the chi² of the best is no rival.
+const NEAR: f64 = 2.0;
 /// Narrowest screen that is filled.
 const NARROWEST: usize = 60;
 
@@ -25,9 +29,9 @@ pub fn text(fit: &Fit, width: usize) -> String {
     for warning in outcome.warnings.iter().take(WARNINGS) {
         report.push_str(&wrapped(warning, "! ", "  ", width));
     }
-    let more = outcome.warnings.len().saturating_sub(WARNINGS);
-    if more > 0 {
-        report.push_str(&format!("! and {more} more in fit.json\n"));
+    match outcome.warnings.len().saturating_sub(WARNINGS) {
+        0 => {}
+        more => report.push_str(&format!("! and {more} more in fit.json\n")),
     }
     if !outcome.warnings.is_empty() {
         report.push('\n');
@@ -100,15 +104,15 @@ fn goodness(outcome: &FitOutcome) -> String {
     format!("chi² {chi2} for {dof} degrees of freedom, {} each; {source}", plain(per))
 }
 
+/// How far behind the second minimum is, if it is near enough to be thought of.
 fn minima(outcome: &FitOutcome) -> String {
-    match outcome.minima.as_slice() {
-        [first, second, ..] => format!(
-            "{} distinct minima; the second has chi² {} against {}",
-            outcome.minima.len(),
-            plain(second.chi2),
-            plain(first.chi2)
-        ),
-        _ => String::new(),
+    let [first, second, ..] = outcome.minima.as_slice() else { return String::new() };
+    let behind = second.chi2 / first.chi2;
+    // Where a combination alone is determined the minima lie along it and are one answer.
+    if outcome.identifiability.undetermined.is_empty() && behind < NEAR {
+        format!("the next best minimum has {} times the chi² of the best", plain(behind))
+    } else {
+        String::new()
     }
 }
 
@@ -122,9 +126,13 @@ fn data(outcome: &FitOutcome) -> String {
         }
         named => format!("{readings} readings in {} curves", named.len()),
     };
-    for note in &outcome.data.notes {
+    for note in outcome.data.notes.iter().take(NOTES) {
         text.push_str("; ");
         text.push_str(note);
+    }
+    match outcome.data.notes.len().saturating_sub(NOTES) {
+        0 => {}
+        more => text.push_str(&format!("; and {more} more notes in fit.json")),
     }
     text
 }

@@ -9,7 +9,9 @@ pub fn verdict(outcome: &FitOutcome) -> String {
     match outcome.verdict {
         Verdict::Determined => determined(outcome),
         Verdict::PartlyDetermined => partly(outcome),
-        Verdict::NoThickness => "a minimum was found, but it determines no thickness, not even their sum".to_owned(),
+        Verdict::NothingDetermined => {
+            "a minimum was found, but it determines no thickness, not even their sum".to_owned()
+        }
         Verdict::NotConverged => format!("no minimum was found: {}", outcome.termination.phrase()),
     }
 }
@@ -33,7 +35,9 @@ fn partly(outcome: &FitOutcome) -> String {
     };
     let known = names(&Status::is_determined);
     let on_a_bound = names(&|status| status == Status::AtBound);
-    let unknown = names(&|status| !status.is_determined() && status != Status::AtBound);
+    let ambiguous = names(&|status| status == Status::Ambiguous);
+    let apart = [Status::AtBound, Status::Ambiguous];
+    let unknown = names(&|status| !status.is_determined() && !apart.contains(&status));
     let mut parts = Vec::new();
     let split = ["d_air", "d_cuticle"].iter().all(|name| unknown.contains(name));
     let sums = [("period", &outcome.derived.period), ("optical sum", &outcome.derived.optical_sum)];
@@ -48,6 +52,10 @@ fn partly(outcome: &FitOutcome) -> String {
         unknown.into_iter().filter(|name| sum.is_none() || !["d_air", "d_cuticle"].contains(name)).collect();
     if !rest.is_empty() {
         parts.push(format!("{} {} not", list(&rest), is(&rest)));
+    }
+    if !ambiguous.is_empty() {
+        let (names, verb) = (list(&ambiguous), is(&ambiguous));
+        parts.push(format!("{names} {verb} ambiguous: another structure fits as well"));
     }
     if !on_a_bound.is_empty() {
         parts.push(format!("{} ended on a bound", list(&on_a_bound)));
@@ -69,12 +77,17 @@ pub fn list(names: &[&str]) -> String {
     }
 }
 
-/// The status of an estimate with the parameters that it is tied to.
+/// The status of an estimate with the parameters that it is tied to, or with its values elsewhere.
 #[must_use]
 pub fn status(estimate: &Estimate) -> String {
     let phrase = estimate.status.phrase();
     let with: Vec<&str> = estimate.with.iter().map(String::as_str).collect();
     match (with.as_slice(), estimate.status) {
+        (_, Status::Ambiguous) => {
+            let others: Vec<String> = estimate.others.iter().map(|value| plain(*value)).collect();
+            let others: Vec<&str> = others.iter().map(String::as_str).collect();
+            if others.is_empty() { phrase.to_owned() } else { format!("{phrase}: or {}", others.join(", or ")) }
+        }
         ([], _) => phrase.to_owned(),
         (with, Status::Linked) => format!("{phrase} to {}", list(with)),
         (with, Status::NotIdentifiable) => format!("{phrase} apart from {}", list(with)),
@@ -95,11 +108,11 @@ pub fn interval(estimate: &Estimate) -> String {
     }
 }
 
-/// What was found, in one line: `d_air 141.04 ± 0.27 nm, …`; what is not determined is left out.
+/// What was found, in one line: `d_air 141.04 ± 0.27 nm, …`; what is fixed or not determined is left out.
 #[must_use]
 pub fn values(outcome: &FitOutcome) -> String {
     let one = |(name, estimate): (&str, &Estimate)| {
-        let value = estimate.value?;
+        let value = estimate.value.filter(|_| estimate.status != Status::Fixed)?;
         let unit = &estimate.unit;
         Some(match estimate.sigma {
             Some(sigma) => {
