@@ -1,7 +1,6 @@
 //! Estimates: values, standard deviations, intervals and statuses from the covariance at a minimum.
 
 use crate::dataset::Dataset;
-use crate::inversion::fit::Held;
 use crate::inversion::nuisance::{Column, LinearPart, Multiplies};
 use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, SigmaSource, Status};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
@@ -9,6 +8,7 @@ use crate::inversion::plan::Plan;
 use crate::inversion::problem::{Evaluation, Problem};
 use crate::inversion::search::Space;
 use crate::inversion::settings::FitSettings;
+use crate::inversion::undetermined::Held;
 use crate::optics::ReflectivityModel;
 use crate::optimise::Minimum;
 use crate::uncertainty::covariance::{correlation, covariance};

@@ -4,15 +4,14 @@ use crate::dataset::Dataset;
 use crate::inversion::estimates::Found;
 use crate::inversion::nuisance::LinearPart;
 use crate::inversion::outcome::Fit;
-use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
-use crate::inversion::search::{self, APART, FINE, Space};
+use crate::inversion::search::{self, FINE, Space};
 use crate::inversion::settings::{FitSettings, Search, SettingsError};
 use crate::inversion::summary::summarise;
+use crate::inversion::undetermined::{apart_beyond, hold_undetermined};
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
-use crate::uncertainty::identifiability::Identifiability;
 use nalgebra::DVector;
 
 /// A fit that could not begin.
@@ -171,95 +170,4 @@ fn median_deviation(residuals: &DVector<f64>) -> f64 {
     sizes.sort_by(f64::total_cmp);
     let median = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0);
     if median > 0.0 { 1.4826 * median } else { 1.0 }
-}
-
-/// A direction that the data do not determine, among the parameters that were searched.
-#[derive(Debug, Clone)]
-pub(crate) struct Held {
-    /// All parameters of the direction, the strongest first, with the step along it in inside units.
-    pub(crate) direction: Vec<(Parameter, f64)>,
-    /// Standard deviation along it in units of the ranges; infinite if nothing depends on it.
-    pub(crate) deviation: f64,
-}
-
-/// Standard deviation of a weighted residual: 1 where the data state sigma, the scatter where they do not.
-pub(crate) fn unit_of_residuals(data: &Dataset, sum_of_squares: f64, dof: usize) -> f64 {
-    if data.has_sigma() || dof == 0 {
-        return 1.0;
-    }
-    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
-    let scatter = (sum_of_squares / dof as f64).sqrt();
-    if scatter > 0.0 { scatter } else { f64::MIN_POSITIVE.sqrt() }
-}
-
-/// The minima that differ by more than a move along the undetermined directions: minima along these are one answer.
-fn apart_beyond(minima: Vec<Minimum>, held: &[Held], space: &Space) -> Vec<Minimum> {
-    let free = &space.freedom.free;
-    let mut flat: Vec<DVector<f64>> = Vec::new();
-    for held in held {
-        let mut direction = DVector::zeros(free.len());
-        for (parameter, step) in &held.direction {
-            if let Some(j) = free.iter().position(|other| other == parameter) {
-                direction[j] = step / space.scales[j];
-            }
-        }
-        for other in &flat {
-            let along = direction.dot(other);
-            direction -= other * along;
-        }
-        if direction.norm() > 0.0 {
-            flat.push(direction.normalize());
-        }
-    }
-    let mut kept: Vec<Minimum> = Vec::new();
-    for minimum in minima {
-        let known = kept.iter().any(|other| {
-            let mut step = (&minimum.parameters - &other.parameters).component_div(&space.scales);
-            for direction in &flat {
-                let along = step.dot(direction);
-                step -= direction * along;
-            }
-            step.amax() <= APART
-        });
-        if !known {
-            kept.push(minimum);
-        }
-    }
-    kept
-}
-
-/// Takes out one parameter for each direction that the data do not determine, and fits the others again.
-fn hold_undetermined(
-    settings: &FitSettings,
-    plan: &Plan<'_>,
-    linear: &LinearPart,
-    robust: &[f64],
-    searched: &Space,
-    best: &Minimum,
-    data: &Dataset,
-) -> Result<(Vec<Held>, Space, Minimum), FitError> {
-    let mut roles: [Role; COUNT] = settings.roles;
-    let mut space = Space::new(&roles)?;
-    let mut best = best.clone();
-    let mut held: Vec<Held> = Vec::new();
-    for _ in 0..searched.freedom.free.len() {
-        let free = &space.freedom.free;
-        let dof = plan.len().saturating_sub(free.len() + linear.columns.len());
-        let unit = unit_of_residuals(data, best.sum_of_squares(), dof);
-        let found = Identifiability::new(&(&best.jacobian / unit), &space.ranges);
-        let Some(worst) = found.undetermined().last() else { break };
-        let step = |&j: &usize| (free[j], worst.components[j] * space.ranges[j]);
-        let direction: Vec<(Parameter, f64)> = worst.parts().iter().map(step).collect();
-        let Some(&(parameter, _)) = direction.first() else { break };
-        let structural = worst.deviation * 1e-8 >= found.directions[0].deviation;
-        let deviation = if structural { f64::INFINITY } else { worst.deviation };
-        let values = space.freedom.expand(&best.parameters);
-        let value = values[parameter.index()];
-        held.push(Held { direction, deviation });
-        roles[parameter.index()] = Role::Fixed { value };
-        space = Space::new(&roles)?;
-        let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
-        best = minimise(&problem, &space.freedom.restrict(&values), FINE);
-    }
-    Ok((held, space, best))
 }

@@ -10,6 +10,7 @@ mod problem;
 mod search;
 mod settings;
 mod summary;
+mod undetermined;
 mod wording;
 
 pub use fit::{FitError, fit};

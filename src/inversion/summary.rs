@@ -1,7 +1,6 @@
 //! From a minimum to what is said about it: verdict, warnings, minima, curves.
 
 use crate::inversion::estimates::{Found, Uncertainty, as_good, index_ratio};
-use crate::inversion::fit::unit_of_residuals;
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{
     DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, Parameters,
@@ -9,6 +8,7 @@ use crate::inversion::outcome::{
 };
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
+use crate::inversion::undetermined::unit_of_residuals;
 use crate::inversion::wording;
 use crate::optimise::{Loss, Minimum};
 use crate::uncertainty::goodness::excess;

@@ -1,7 +1,7 @@
 //! Sentences about what the data do not determine.
 
-use crate::inversion::fit::Held;
 use crate::inversion::parameter::Parameter;
+use crate::inversion::undetermined::Held;
 
 /// Two coefficients closer than this share are called the same.
 const SAME: f64 = 0.02;

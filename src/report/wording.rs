@@ -9,9 +9,7 @@ pub fn verdict(outcome: &FitOutcome) -> String {
     match outcome.verdict {
         Verdict::Determined => determined(outcome),
         Verdict::PartlyDetermined => partly(outcome),
-        Verdict::NothingDetermined => {
-            "a minimum was found, but it determines no thickness, not even their sum".to_owned()
-        }
+        Verdict::NoThickness => "a minimum was found, but it determines no thickness, not even their sum".to_owned(),
         Verdict::NotConverged => format!("no minimum was found: {}", outcome.termination.phrase()),
     }
 }

@@ -90,7 +90,7 @@ fn outcome(found: &FitOutcome) -> Outcome {
         let (names, verb) = (wording::list(&unknown), if unknown.len() == 1 { "is" } else { "are" });
         return Outcome::NotIdentifiable(format!("{names} {verb} required but not determined by these data"));
     }
-    if found.verdict == Verdict::NothingDetermined {
+    if found.verdict == Verdict::NoThickness {
         return Outcome::NotIdentifiable("the data determine no thickness".to_owned());
     }
     Outcome::Done
