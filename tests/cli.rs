@@ -1,9 +1,11 @@
 //! The real program: what it prints, what it writes, how it ends.
 
 use assert_cmd::Command;
-use morpho_fit::inversion::{FitOutcome, SCHEMA, Status, Verdict};
+use morpho_fit::inversion::{FitOutcome, SCHEMA, Status};
+use morpho_fit::optics::Material;
 use std::fs;
 use std::path::Path;
+use std::process::Stdio;
 use tempfile::TempDir;
 
 /// How a run ended.
@@ -100,6 +102,29 @@ fn the_number_of_threads_does_not_change_a_bit() {
         let read = |threads: &str| fs::read(folder.path().join(threads).join(file)).unwrap();
         assert_eq!(read("1"), read("2"), "{file}");
     }
+}
+
+#[test]
+fn a_pipe_that_is_closed_early_is_no_error() {
+    let folder = with_blue();
+    for arguments in [&["simulate"][..], &["blue.csv", "--json", "--no-plots"], &["check", "blue.csv"], &["--help"]] {
+        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("morpho-fit"));
+        command.current_dir(folder.path()).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{arguments:?}");
+    }
+}
+
+#[test]
+fn data_are_read_from_standard_input() {
+    let folder = with_blue();
+    let data = fs::read(folder.path().join("blue.csv")).unwrap();
+    let mut command = Command::cargo_bin("morpho-fit").unwrap();
+    command.current_dir(folder.path()).args(["-", "--no-plots"]).write_stdin(data).assert().success();
+    succeeds(&folder, "blue.csv --no-plots");
+    assert_eq!(outcome(&folder, "fits/stdin"), outcome(&folder, "fits/blue"));
 }
 
 #[test]
@@ -292,7 +317,9 @@ fn indices_come_from_tables_with_several_media() {
     succeeds(&folder, &format!("simulate {stack} --scan wavelength=400:800:5,omega=90 --out film.csv"));
     succeeds(&folder, &format!("film.csv {stack} --fix delta=2.5 --fix phi_alpha=0.5 --fix a=300 --no-plots"));
     let found = outcome(&folder, "fits/film");
-    assert_eq!(found.verdict, Verdict::Determined);
+    let period = &found.derived.period;
+    assert!((period.value.unwrap() - 203.0).abs() < 4.0 * period.sigma.unwrap());
+    assert!(matches!(found.settings.stack.cuticle, Material::Table(_)));
     let beyond = run(&folder, &format!("simulate {stack} --scan wavelength=300,omega=90"));
     assert_eq!(beyond.code, 3, "{}", beyond.err);
     assert!(beyond.err.contains("covers 350 to 900 nm"), "{}", beyond.err);
@@ -305,7 +332,7 @@ fn indices_come_from_tables_with_several_media() {
 #[test]
 fn another_column_can_be_the_intensity() {
     let folder = TempDir::new().unwrap();
-    let model = succeeds(&folder, "simulate --scan wavelength=400:800:5,omega=90 --noise 0");
+    let model = succeeds(&folder, "simulate --scan wavelength=400:800:5,omega=90 --noise 0.001");
     let rows: String = (model.out.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())))
         .map(|line| {
             let cells: Vec<&str> = line.split(',').collect();
@@ -316,7 +343,7 @@ fn another_column_can_be_the_intensity() {
     let rest = "--theta 0 --phi 0 --omega 90 --fix delta=2.5 --fix phi_alpha=0.5 --fix a=300 --no-plots";
     succeeds(&folder, &format!("two.csv --intensity-column R_b {rest}"));
     let found = outcome(&folder, "fits/two");
-    assert!((found.derived.period.value.unwrap() - 203.0).abs() < 0.1);
+    assert!((found.derived.period.value.unwrap() - 203.0).abs() < 2.0);
     let wrong = run(&folder, &format!("two.csv --intensity-column R_c {rest}"));
     assert!(wrong.code == 3 && wrong.err.contains("there is no column `R_c`"), "{}", wrong.err);
 }

@@ -130,16 +130,16 @@ pub(crate) struct ModelArgs {
     pub(crate) layers: usize,
     /// Refractive index of the cuticle: a number, n+ki, Cauchy constants (b in nm²), or a CSV file with the columns
     /// wavelength_nm, n and k (other columns: `file.csv:N_COLUMN` or `file.csv:N_COLUMN,K_COLUMN`) [default: 1.56].
-    #[arg(long, value_name = "1.56|1.56+0.06i|cauchy:A,B|FILE.csv", value_parser = values::index)]
+    #[arg(long, value_name = "1.56|1.56+0.06i|cauchy:A,B|FILE.csv", value_parser = values::index, allow_negative_numbers = true)]
     pub(crate) n_cuticle: Option<Index>,
     /// Refractive index between the layers, written like that of the cuticle [default: 1].
-    #[arg(long, value_name = "INDEX", value_parser = values::index)]
+    #[arg(long, value_name = "INDEX", value_parser = values::index, allow_negative_numbers = true)]
     pub(crate) n_gap: Option<Index>,
     /// Refractive index behind the last gap, written like that of the cuticle [default: 1].
-    #[arg(long, value_name = "INDEX", value_parser = values::index)]
+    #[arg(long, value_name = "INDEX", value_parser = values::index, allow_negative_numbers = true)]
     pub(crate) n_base: Option<Index>,
     /// Refractive index before the first layer, written like that of the cuticle, without absorption [default: 1].
-    #[arg(long, value_name = "INDEX", value_parser = values::index)]
+    #[arg(long, value_name = "INDEX", value_parser = values::index, allow_negative_numbers = true)]
     pub(crate) n_ambient: Option<Index>,
 }
 

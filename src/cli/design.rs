@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use morpho_fit::dataset::{Dataset, Reading};
-use morpho_fit::inversion::{Estimate, FitSettings, Parameter, Role, Search, fit, structure, values};
+use morpho_fit::inversion::{Estimate, FitSettings, Parameter, Role, fit, structure, values};
 use morpho_fit::optics::Structure;
 use morpho_fit::optimise::Loss;
 use morpho_fit::report::wording;
@@ -31,11 +31,11 @@ pub(crate) struct ExpectedParameter {
     pub(crate) status: String,
 }
 
-/// Fits what the model gives at the geometry of `data` for a typical structure, from that structure.
+/// Fits what the model gives at the geometry of `data` for a typical structure, from that structure and from everywhere.
 ///
 /// The intensities of `data` are not used but for their size, so that this says what the design can tell, not what the
 /// data do.
-pub(crate) fn expected(data: &Dataset, settings: &FitSettings) -> Result<Expected> {
+pub(crate) fn expected(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sync)) -> Result<Expected> {
     let model = settings.model.build(settings.stack.clone());
     let assumed = typical(settings);
     let truth = structure(&assumed);
@@ -56,22 +56,18 @@ pub(crate) fn expected(data: &Dataset, settings: &FitSettings) -> Result<Expecte
         reading.sigma = reading.sigma.or(Some(if noise > 0.0 { noise } else { 1.0 }));
     }
     let design = Dataset::from_readings(readings, data.curves().to_vec())?;
-    let mut local = FitSettings { search: Search::Local, loss: Loss::Linear, ..settings.clone() };
+    let mut settings = FitSettings { loss: Loss::Linear, ..settings.clone() };
     for parameter in Parameter::ALL {
-        if matches!(local.roles[parameter.index()], Role::Free { .. }) {
-            local.start[parameter.index()] = Some(assumed[parameter.index()]);
+        if matches!(settings.roles[parameter.index()], Role::Free { .. }) {
+            settings.start[parameter.index()] = Some(assumed[parameter.index()]);
         }
     }
-    let outcome = fit(&design, &local, &|_| {})?.outcome;
+    let outcome = fit(&design, &settings, progress)?.outcome;
     let derived = [("d_air + d_cuticle", &outcome.derived.period), ("optical sum", &outcome.derived.optical_sum)];
     let parameters = outcome.parameters.each().into_iter().chain(derived).map(of).collect();
-    let noise = if data.has_sigma() {
-        "the stated sigma".to_owned()
-    } else {
-        "noise of 1 % of the largest intensity".to_owned()
-    };
+    let noise = if data.has_sigma() { "the stated sigma".to_owned() } else { "noise of 1 % of the peak".to_owned() };
     Ok(Expected {
-        assuming: format!("for a structure like the assumed one and {noise}"),
+        assuming: format!("of a structure like the assumed one, with {noise}"),
         parameters,
         undetermined: outcome.identifiability.undetermined,
     })

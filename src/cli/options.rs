@@ -30,10 +30,10 @@ impl Problem {
         threads(&args.nuisances)?;
         let path = args.data.as_deref().ok_or_else(|| Usage("give a CSV file".to_owned()))?;
         let bytes = match output::read(path) {
-            Err(error) if !path.exists() => return Err(missing(path, error)),
+            Err(error) if !path.exists() => return Err(missing(path, &error)),
             other => other?,
         };
-        let file = if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() };
+        let file = if path == Path::new("-") { "stdin".to_owned() } else { path.display().to_string() };
         let mut sha256 = None;
         let bytes = match &args.reading.intensity_column {
             Some(heading) => {
@@ -48,14 +48,14 @@ impl Problem {
 }
 
 /// A file that is not there may be a mistyped word.
-fn missing(path: &Path, error: anyhow::Error) -> anyhow::Error {
+fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     let name = path.to_string_lossy();
     match nearest(&name, &["fit", "check", "simulate", "help"]).filter(|_| !name.contains(['.', '/', '\\'])) {
         Some(word) => {
             Usage(format!("`{name}` is neither a file nor a command; did you mean `morpho-fit {word}`?")).into()
         }
-        None => error.context(
-            "there is no data to read; name a CSV file, or make one to try with `morpho-fit simulate --out try.csv`",
+        None => anyhow::anyhow!(
+            "{error:#}\nname a CSV file that exists, or make one to try with `morpho-fit simulate --out try.csv`"
         ),
     }
 }

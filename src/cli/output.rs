@@ -36,13 +36,15 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
 #[derive(Debug)]
 pub(crate) struct Folder {
     path: PathBuf,
-    made: bool,
+    /// The folders that were made for it, the innermost first.
+    made: Vec<PathBuf>,
 }
 
 impl Folder {
     /// Makes the folder if it is missing, and tries to write there, before long work begins.
     pub(crate) fn open(path: &Path) -> Result<Self> {
-        let made = !path.exists();
+        let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        let made = path.ancestors().take_while(is_missing).map(Path::to_owned).collect();
         fs::create_dir_all(path).with_context(|| format!("the folder {} cannot be made", path.display()))?;
         let folder = Self { path: path.to_owned(), made };
         let probe = beside(&path.join("probe"));
@@ -56,10 +58,10 @@ impl Folder {
         }
     }
 
-    /// Takes an empty folder away that was made for nothing.
+    /// Takes away what was made for nothing; a folder that is not empty stays.
     pub(crate) fn abandon(&self) {
-        if self.made {
-            let _ = fs::remove_dir(&self.path);
+        for folder in &self.made {
+            let _ = fs::remove_dir(folder);
         }
     }
 

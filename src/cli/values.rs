@@ -150,7 +150,7 @@ pub(crate) fn index(text: &str) -> Result<Index, String> {
     }
     if let Some((n, k)) = complex(text) {
         if !(n.is_finite() && n > 0.0 && k.is_finite() && k >= 0.0) {
-            return Err(format!("`{text}` is no index: n must be above 0 and k at least 0"));
+            return Err(format!("`{text}` is no index: n must be above 0 and k, which absorbs, at least 0"));
         }
         return Ok(Index::Known(Material::Constant { n, k }));
     }
@@ -173,11 +173,10 @@ fn complex(text: &str) -> Option<(f64, f64)> {
     if let Ok(n) = text.parse::<f64>() {
         return Some((n, 0.0));
     }
-    let body = text.strip_suffix(['i', 'j'])?;
-    let plus = body.rfind('+').filter(|&at| at > 0)?;
-    // 1.5+6e+2i: the last sign may be that of an exponent.
-    let plus = if body[..plus].ends_with(['e', 'E']) { body[..plus].rfind('+').filter(|&at| at > 0)? } else { plus };
-    Some((body[..plus].trim().parse().ok()?, body[plus + 1..].trim().parse().ok()?))
+    match *terms(text.strip_suffix(['i', 'j'])?).as_slice() {
+        [(sign_n, n), (sign_k, k)] => Some((sign_n * n.parse::<f64>().ok()?, sign_k * k.parse::<f64>().ok()?)),
+        _ => None,
+    }
 }
 
 /// `fit` or a number of at least 0.

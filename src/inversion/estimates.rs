@@ -118,7 +118,7 @@ impl Uncertainty {
         let full = problem.full_jacobian(point);
         let columns: Vec<usize> = moved.iter().copied().chain(free.len()..full.ncols()).collect();
         let matrix = covariance(&full.select_columns(&columns)).map(|matrix| matrix * (unit * unit));
-        let quantile = |z| if source == SigmaSource::Scatter { student(z, dof) } else { z };
+        let quantile = |z| if source == SigmaSource::Stated { z } else { student(z, dof) };
         Self {
             inner: moved.iter().map(|&j| free[j]).collect(),
             matrix,

@@ -195,7 +195,8 @@ pub struct NuisanceFound {
 pub enum SigmaSource {
     /// The data's own sigma.
     Stated,
-    /// The data's own sigma, times `sqrt(chi²/dof)` because the model misses the data by more than they state.
+    /// Stated or from the scatter, times `widened_by`, because the model misses the data: by more than they state, or in
+    /// a way that noise does not.
     Widened,
     /// The scatter about the model: the data state no sigma.
     Scatter,
@@ -254,6 +255,10 @@ pub struct FitOutcome {
     pub bic: f64,
     /// Where the standard deviations come from.
     pub sigma_source: SigmaSource,
+    /// Correlation of each residual with the next of its curve: near 0 for noise.
+    pub residual_correlation: f64,
+    /// Factor by which the standard deviations are widened because the model misses the data; 1 if it does not.
+    pub widened_by: f64,
     /// Factor between these and the deviations by the other rule (stated against scatter); `None` without a stated one.
     pub sigma_ratio: Option<f64>,
     /// Covariance of free parameters and nuisances in use, user units; empty where it does not exist.

@@ -16,6 +16,9 @@ use crate::optics::multilayer::Period;
 use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
 use rustc_hash::FxHashMap;
 
+/// Readings that a thinned plan keeps of each curve, if it has them.
+const LEAST_OF_A_CURVE: usize = 16;
+
 /// One reading as indices into the unique points.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlannedReading {
@@ -95,12 +98,21 @@ impl<'a> Plan<'a> {
         Self::of_rows(data, model, &all)
     }
 
-    /// [`Plan::new`] for about `limit` readings, taken evenly from each curve.
+    /// [`Plan::new`] for about `limit` readings, taken evenly from each curve; short curves are kept.
     pub(crate) fn thinned(data: &Dataset, model: &'a dyn ReflectivityModel, limit: usize) -> Result<Self, OpticsError> {
         let stride = data.readings().len().div_ceil(limit.max(1)).max(1);
-        // A stride that divides the length of a scan would take the same angles from each: keep it odd.
-        let stride = if stride > 1 && stride.is_multiple_of(2) { stride + 1 } else { stride };
-        let rows: Vec<usize> = (0..data.readings().len()).step_by(stride).collect();
+        let mut curves: Vec<Vec<usize>> = vec![Vec::new(); data.curves().len()];
+        for (row, reading) in data.readings().iter().enumerate() {
+            curves[reading.curve].push(row);
+        }
+        let mut rows: Vec<usize> = Vec::new();
+        for curve in &curves {
+            let stride = stride.min(curve.len() / LEAST_OF_A_CURVE).max(1);
+            // A stride that divides the length of a scan would take the same angles from each: keep it odd.
+            let stride = if stride.is_multiple_of(2) { stride + 1 } else { stride };
+            rows.extend(curve.iter().step_by(stride));
+        }
+        rows.sort_unstable();
         Self::of_rows(data, model, &rows)
     }
 

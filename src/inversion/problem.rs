@@ -81,6 +81,12 @@ impl<'a> Problem<'a> {
         Some(Evaluation { free: free.clone(), values, terms, coefficients })
     }
 
+    /// Length of the vector of weighted readings.
+    pub(crate) fn size_of_data(&self) -> f64 {
+        let square = |row: usize| (self.weight(row) * self.plan.readings[row].intensity).powi(2);
+        (0..self.plan.len()).map(square).sum::<f64>().sqrt()
+    }
+
     fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
         DVector::from_fn(self.plan.len(), |row, _| {
             let reading = &self.plan.readings[row];

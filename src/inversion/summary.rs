@@ -16,6 +16,10 @@ use crate::uncertainty::identifiability::Identifiability;
 
 /// Data that exceed the stated noise by this many standard deviations of chi² are missed by the model.
 const MISSED: f64 = 3.7;
+/// Neighbouring residuals that agree by this many standard deviations are no noise.
+const STRUCTURED: f64 = 5.0;
+/// A correlation beyond this counts as this: the rule for it has no limit.
+const MOST_CORRELATED: f64 = 0.99;
 /// Minima listed.
 const LISTED: usize = 10;
 /// A model that lowers chi² by less than this below the best constant says nothing: of 300 sets of pure noise the fit
@@ -46,15 +50,20 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let reduced = if dof > 0 { chi2 / dof as f64 } else { f64::NAN };
     let missed = found.data.has_sigma() && found.settings.loss == Loss::Linear && excess(chi2, dof) > MISSED;
-    let (sigma_source, unit) = match (found.data.has_sigma(), missed) {
-        (false, _) => (SigmaSource::Scatter, unit),
-        (true, false) => (SigmaSource::Stated, unit),
-        (true, true) => (SigmaSource::Widened, unit * reduced.sqrt()),
+    let by_misfit = if missed { reduced.sqrt() } else { 1.0 };
+    let correlation_of_residuals = neighbours(found, &readings);
+    let structured = correlation_of_residuals.deviations > STRUCTURED;
+    let by_structure = if structured { correlation_of_residuals.widening() } else { 1.0 };
+    let sigma_source = match (missed || structured, found.data.has_sigma()) {
+        (true, _) => SigmaSource::Widened,
+        (false, true) => SigmaSource::Stated,
+        (false, false) => SigmaSource::Scatter,
     };
+    let (plain_unit, unit) = (unit * by_misfit, unit * by_misfit * by_structure);
     let uncertainty = Uncertainty::new(found, &problem, &point, &in_use, unit, dof, sigma_source);
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
-    let gain = (chi2_of_constants(found) - chi2) / (unit * unit);
+    let gain = (chi2_of_constants(found) - chi2) / (plain_unit * plain_unit);
     let by_chance = gain < CHANCE && found.settings.loss == Loss::Linear;
     if by_chance {
         let fitted = estimates.iter_mut().filter(|estimate| estimate.bounds.is_some());
@@ -69,6 +78,13 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
             "the model misses the data by {:.1} times the stated noise; the standard deviations are widened by that factor, \
              and the split of the layers depends on the model",
             reduced.sqrt()
+        ));
+    }
+    if structured {
+        warnings.push(format!(
+            "the model misses the data: neighbouring residuals agree (correlation {:.2}), which noise does not make; the \
+             standard deviations are widened {:.1} times, and the split of the layers depends on the model",
+            correlation_of_residuals.value, by_structure
         ));
     }
     if by_chance {
@@ -95,6 +111,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         aicc,
         bic,
         sigma_source,
+        residual_correlation: correlation_of_residuals.value,
+        widened_by: by_misfit * by_structure,
         sigma_ratio: found.data.has_sigma().then(|| reduced.sqrt()).filter(|ratio| ratio.is_finite()),
         correlation,
         covariance,
@@ -114,6 +132,37 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         },
     };
     Fit { outcome, readings }
+}
+
+/// Correlation of each residual with the next one of its curve.
+#[derive(Debug, Clone, Copy)]
+struct Neighbours {
+    value: f64,
+    /// In units of its standard deviation for noise, `1/sqrt(pairs)`.
+    deviations: f64,
+}
+
+impl Neighbours {
+    /// Factor on standard deviations: of `n` readings so correlated only `n (1 - r)/(1 + r)` are independent.
+    fn widening(&self) -> f64 {
+        let r = self.value.min(MOST_CORRELATED);
+        ((1.0 + r) / (1.0 - r)).sqrt()
+    }
+}
+
+/// The lag-1 autocorrelation of the weighted residuals, in the order of the data, over all curves.
+fn neighbours(found: &Found<'_>, readings: &[FittedReading]) -> Neighbours {
+    let mut last: Vec<Option<f64>> = vec![None; found.plan.curves];
+    let (mut products, mut squares, mut pairs) = (0.0, 0.0, 0_u32);
+    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
+        squares += fitted.normalised * fitted.normalised;
+        if let Some(before) = last[planned.curve].replace(fitted.normalised) {
+            products += before * fitted.normalised;
+            pairs += 1;
+        }
+    }
+    let value = if squares > 0.0 { products / squares } else { 0.0 };
+    Neighbours { value, deviations: value * f64::from(pairs).sqrt() }
 }
 
 /// chi² of the best constant; of one for each curve where the fit has something of its own for each.

@@ -18,7 +18,14 @@ pub(crate) struct Held {
     pub(crate) direction: Vec<(Parameter, f64)>,
     /// Standard deviation along it in units of the ranges; infinite if nothing depends on it.
     pub(crate) deviation: f64,
+    /// Whether the data do depend on its first parameter, but a scale or background does the same.
+    pub(crate) absorbed: bool,
 }
+
+/// Data met to this share of the largest reading are exact: no scatter below it is believed.
+const EXACT: f64 = 1e-9;
+/// A parameter that changes the model by more than this share of the data over its range does enter it.
+const ABSORBED: f64 = 1e-6;
 
 /// Standard deviation of a weighted residual: 1 where the data state sigma, the scatter where they do not.
 pub(crate) fn unit_of_residuals(data: &Dataset, sum_of_squares: f64, dof: usize) -> f64 {
@@ -27,7 +34,9 @@ pub(crate) fn unit_of_residuals(data: &Dataset, sum_of_squares: f64, dof: usize)
     }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let scatter = (sum_of_squares / dof as f64).sqrt();
-    if scatter > 0.0 { scatter } else { f64::MIN_POSITIVE.sqrt() }
+    let largest = data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
+    let least = if largest > 0.0 { EXACT * largest } else { EXACT };
+    scatter.max(least)
 }
 
 /// The minima that differ by more than a move along the undetermined directions: minima along these are one answer.
@@ -93,7 +102,13 @@ pub(crate) fn hold_undetermined(
         let deviation = if structural { f64::INFINITY } else { worst.deviation };
         let values = space.freedom.expand(&best.parameters);
         let value = values[parameter.index()];
-        held.push(Held { direction, deviation });
+        let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
+        let absorbed = problem.evaluate(&best.parameters).is_some_and(|point| {
+            let column = free.iter().position(|other| *other == parameter);
+            let bare = column.map_or(0.0, |j| problem.full_jacobian(&point).column(j).norm() * space.ranges[j]);
+            bare > ABSORBED * problem.size_of_data()
+        });
+        held.push(Held { direction, deviation, absorbed });
         roles[parameter.index()] = Role::Fixed { value };
         space = Space::new(&roles)?;
         let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);

@@ -10,6 +10,9 @@ const SAME: f64 = 0.02;
 pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     let names: Vec<&str> = held.direction.iter().map(|(parameter, _)| parameter.name()).collect();
     match held.direction.as_slice() {
+        [(parameter, _)] if held.deviation.is_infinite() && held.absorbed => {
+            format!("{parameter} cannot be told: in these data it acts as a scale does")
+        }
         [(parameter, _)] if held.deviation.is_infinite() => {
             format!("{parameter} cannot be told: nothing in the data depends on it")
         }
@@ -52,7 +55,7 @@ mod tests {
     use super::*;
 
     fn held(direction: Vec<(Parameter, f64)>, deviation: f64) -> Held {
-        Held { direction, deviation }
+        Held { direction, deviation, absorbed: false }
     }
 
     #[test]
@@ -69,6 +72,8 @@ mod tests {
         );
         let alone = held(vec![(Parameter::LamellaWidth, 1.0)], f64::INFINITY);
         assert_eq!(undetermined(&alone, 1.56), "lamella_width cannot be told: nothing in the data depends on it");
+        let absorbed = Held { absorbed: true, ..held(vec![(Parameter::PhiAlpha, 1.0)], f64::INFINITY) };
+        assert_eq!(undetermined(&absorbed, 1.56), "phi_alpha cannot be told: in these data it acts as a scale does");
         let hidden = held(vec![(Parameter::Delta, 1.0)], 0.4);
         assert_eq!(
             undetermined(&hidden, 1.56),

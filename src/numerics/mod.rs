@@ -1,4 +1,5 @@
 //! Numerical methods that know neither physics nor colour, without I/O.
 
 pub mod nonnegative;
+pub mod singular;
 pub mod trigonometry;

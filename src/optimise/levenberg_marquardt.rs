@@ -164,6 +164,9 @@ where
                 *scale = 1.0;
             }
         }
+        if !self.scaling.iter().all(|scale| scale.is_finite()) {
+            return Ok((self.end(back(state, parameters, residuals, cost), Termination::Stalled), None));
+        }
         let movable = self.movable(&parameters, &gradient);
         let cosine = largest_cosine(&jacobian, &gradient, norm, &movable);
         let ended = if norm <= 0.0 {

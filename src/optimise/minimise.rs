@@ -1,5 +1,6 @@
 //! One run from one start.
 
+use crate::numerics::singular::right_singular;
 use crate::optimise::levenberg_marquardt::{LevenbergMarquardt, Tolerances};
 use crate::optimise::objective::{ArgminProblem, LeastSquares};
 use crate::optimise::termination::Termination;
@@ -111,11 +112,8 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
     let mut directions: Vec<DVector<f64>> =
         (0..n).map(|j| DVector::from_fn(n, |i, _| if i == j { problem.scales()[j] } else { 0.0 })).collect();
     let scaled = DMatrix::from_fn(at.jacobian.nrows(), n, |i, j| at.jacobian[(i, j)] * problem.scales()[j]);
-    if n > 0
-        && scaled.iter().all(|value| value.is_finite())
-        && let Some(v_t) = scaled.qr().r().svd(false, true).v_t
-    {
-        directions.extend(v_t.row_iter().map(|row| row.transpose().component_mul(problem.scales())));
+    if let Some((_, vectors)) = right_singular(&scaled) {
+        directions.extend(vectors.row_iter().map(|row| row.transpose().component_mul(problem.scales())));
     }
     let mut lowest = (at.sum_of_squares() * (1.0 - LOWER), None);
     for direction in &directions {
@@ -153,9 +151,8 @@ fn is_flat<L: LeastSquares + ?Sized>(
     for (c, &j) in free.iter().enumerate() {
         scaled.column_mut(c).scale_mut(problem.scales()[j].max(parameters[j].abs()));
     }
-    if !scaled.iter().all(|value| value.is_finite()) {
-        return true;
+    match right_singular(&scaled) {
+        Some((values, _)) => values.iter().any(|&value| value <= FLAT * values.max()),
+        None => true,
     }
-    let singular = scaled.qr().r().singular_values();
-    singular.iter().any(|&value| value <= FLAT * singular.max())
 }

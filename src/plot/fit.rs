@@ -8,8 +8,8 @@ use crate::units::degrees;
 
 /// Panels of a chart at most; more are too small to read.
 const PANELS: usize = 9;
-/// A contribution below this share of the model is not drawn.
-const INVISIBLE: f64 = 1e-6;
+/// A contribution below this share of the model cannot be told from zero in a panel and is not drawn.
+const INVISIBLE: f64 = 2e-3;
 /// Residuals within so many standard deviations are what noise does.
 const USUAL: f64 = 2.0;
 /// Half the least height of a residual panel, in standard deviations.

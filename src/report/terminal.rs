@@ -97,7 +97,7 @@ fn goodness(outcome: &FitOutcome) -> String {
         return format!("chi² {} without degrees of freedom; {source}", plain(outcome.chi2));
     }
     let (chi2, dof) = (plain(outcome.chi2), outcome.dof);
-    let scatter = outcome.sigma_source == crate::inversion::SigmaSource::Scatter;
+    let scatter = outcome.sigma_ratio.is_none();
     if scatter {
         return format!("scatter {} with {dof} degrees of freedom; {source}", plain(per.sqrt()));
     }

@@ -134,7 +134,7 @@ pub fn values(outcome: &FitOutcome) -> String {
 pub fn sigma_source(source: SigmaSource) -> &'static str {
     match source {
         SigmaSource::Stated => "sigma as the data state it",
-        SigmaSource::Widened => "sigma of the data, widened because the model misses them",
+        SigmaSource::Widened => "sigma widened because the model misses the data",
         SigmaSource::Scatter => "sigma from the scatter about the model: the data state none",
     }
 }

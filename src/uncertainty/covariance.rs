@@ -4,6 +4,7 @@
 //! C = (J' J)⁻¹   for residuals in units of their standard deviation
 //! ```
 
+use crate::numerics::singular::right_singular;
 use nalgebra::{DMatrix, DVector};
 
 /// Covariance `(J' J)⁻¹` of the columns of `jacobian`, by singular values of the columns scaled to length 1.
@@ -31,10 +32,7 @@ pub fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         return None;
     }
     let scaled = DMatrix::from_fn(jacobian.nrows(), n, |i, j| jacobian[(i, j)] / length[j]);
-    // The singular values of R are those of the matrix; R is small.
-    let svd = scaled.qr().r().svd(false, true);
-    let v_t = svd.v_t?;
-    let singular = svd.singular_values;
+    let (singular, v_t) = right_singular(&scaled)?;
     #[allow(clippy::cast_precision_loss, reason = "a column count is small")]
     let floor = singular.max() * f64::EPSILON * 10.0 * n as f64;
     if singular.iter().any(|&value| value <= floor) {

@@ -8,6 +8,7 @@
 //!
 //! are comparable: along the direction of `s` the data hold the parameters to `1 / s` of their ranges.
 
+use crate::numerics::singular::right_singular;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this share of the largest are zero up to the error of differences.
@@ -65,16 +66,11 @@ impl Identifiability {
                 column.fill(0.0);
             }
         }
-        if n == 0 || scaled.nrows() == 0 {
-            return Self { directions: Vec::new(), rank: 0, condition: 1.0 };
-        }
-        // R has the singular values of the tall matrix, and is small.
-        let svd = scaled.qr().r().svd(false, true);
         let mut directions: Vec<Direction> = Vec::with_capacity(n);
-        if let Some(v_t) = svd.v_t {
-            for (k, &value) in svd.singular_values.iter().enumerate() {
+        if let Some((values, vectors)) = right_singular(&scaled) {
+            for (k, &value) in values.iter().enumerate() {
                 let deviation = if value > 0.0 { value.recip() } else { f64::INFINITY };
-                directions.push(Direction { components: v_t.row(k).transpose(), deviation });
+                directions.push(Direction { components: vectors.row(k).transpose(), deviation });
             }
         }
         directions.sort_by(|a, b| a.deviation.total_cmp(&b.deviation));

@@ -5,6 +5,7 @@ use crate::design::{Expected, expected};
 use crate::exit::Outcome;
 use crate::options::Problem;
 use crate::output;
+use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::Polarization;
@@ -52,7 +53,10 @@ struct Coordinate {
 pub(crate) fn run(args: &CheckArgs) -> Result<Outcome> {
     let problem = Problem::read(&args.problem)?;
     let data = &problem.data;
-    let expected = expected(data, &problem.settings).with_context(|| problem.file.clone())?;
+    let progress = Progress::new(false);
+    let expected =
+        expected(data, &problem.settings, &|what| progress.tell(what)).with_context(|| problem.file.clone())?;
+    drop(progress);
     let report = Report {
         sha256: problem.sha256.clone().unwrap_or_else(|| data.sha256().to_owned()),
         file: problem.file,
@@ -160,7 +164,7 @@ fn text(report: &Report) -> String {
 }
 
 fn expectation(expected: &Expected) -> String {
-    let mut text = format!("What a fit of such data can tell ({}):\n\n", expected.assuming);
+    let mut text = format!("What a fit of such data can tell {}:\n\n", expected.assuming);
     let mut table = Table::new(&[
         ("", Align::Left),
         ("assumed", Align::Right),
