@@ -39,12 +39,13 @@ const HOPELESS: f64 = 3.0;
 /// several little ones about each.
 pub(crate) const APART: f64 = 0.2;
 /// Inner grid of the cells that are polished: tilts, lobe widths, lamella widths.
-const FINER: [usize; 3] = [13, 5, 5];
+const FINER: [usize; 3] = [9, 4, 4];
 /// Mirror images in the tilt are polished for so many of the best cells: many designs cannot tell its sign.
 const MIRRORED: usize = 4;
 
-/// A best minimum whose chi² exceeds the stated noise by so many standard deviations may not be the best.
-const SUSPICIOUS: f64 = 2.0;
+/// A best minimum whose chi² exceeds the stated noise by so many standard deviations may not be the best; noise alone
+/// does so in one data set of 200.
+const SUSPICIOUS: f64 = 2.6;
 /// Then the search is done again, so many times as deep.
 const DEEPER: usize = 6;
 
