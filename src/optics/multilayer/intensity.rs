@@ -46,10 +46,12 @@ pub fn recurrence(admittances: &[f64], phases: &[f64]) -> Result<f64, OpticsErro
         let rho = rho(layer + 1);
         let (sin, cos) = (gamma + phase).sin_cos();
         let root = reflectivity.sqrt();
-        let cross = 2.0 * rho * root * cos;
-        gamma = (root * (1.0 - rho * rho) * sin).atan2(rho * (1.0 + reflectivity) + root * (1.0 + rho * rho) * cos);
-        // The sum is a square, which rounding may leave just below 0.
-        reflectivity = ((rho * rho + reflectivity + cross) / (1.0 + rho * rho * reflectivity + cross)).max(0.0);
+        // The printed sums are squares, |rho + root e^(i psi)|² over |1 + rho root e^(i psi)|²: formed as such they do not
+        // cancel, where as printed R near 0 would lose half its digits, and its root the phase's.
+        let (above, beside) = (rho + root * cos, root * sin);
+        let (below, behind) = (1.0 + rho * root * cos, rho * root * sin);
+        gamma = (root * (1.0 - rho * rho) * sin).atan2(above * below + beside * behind);
+        reflectivity = (above * above + beside * beside) / (below * below + behind * behind);
     }
     Ok(reflectivity)
 }
