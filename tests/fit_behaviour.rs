@@ -218,6 +218,17 @@ fn fewer_readings_than_unknowns_are_refused() {
 }
 
 #[test]
+fn intensities_whose_squares_overflow_are_refused() {
+    for size in [1e200, 1e-200] {
+        let data = changed(&blue(0.01), |_, reading| {
+            reading.intensity *= size;
+            reading.sigma = Some(size);
+        });
+        assert!(matches!(fit(&data, &FitSettings::default(), &|_| {}), Err(FitError::Unit { .. })));
+    }
+}
+
+#[test]
 fn a_local_search_stays_where_it_began() {
     let start = [Some(98.0), Some(89.0), None, None, None];
     let local = FitSettings { search: Search::Local, start, ..FitSettings::default() };

@@ -100,7 +100,7 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
     }
     cause.downcast_ref::<FitError>().map(|error| match error {
         FitError::Optics(error) => code_of_optics(error),
-        FitError::TooFewReadings { .. } => BAD_DATA,
+        FitError::TooFewReadings { .. } | FitError::Unit { .. } => BAD_DATA,
         FitError::NowhereFinite { .. } => NOT_CONVERGED,
         _ => USAGE,
     })

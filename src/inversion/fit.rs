@@ -35,6 +35,12 @@ pub enum FitError {
         /// Unknowns of the fit.
         unknowns: usize,
     },
+    /// Intensities whose squares leave the range of numbers.
+    #[error("the largest intensity is {largest:e}: give it in a unit in which it lies between 1e-100 and 1e100")]
+    Unit {
+        /// Largest intensity in size.
+        largest: f64,
+    },
     /// The model has a finite value nowhere in the bounds.
     #[error("the `{model}` model has no finite value at any start within the bounds")]
     NowhereFinite {
@@ -73,6 +79,10 @@ const SETTLED: f64 = 1e-9;
 /// ```
 pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sync)) -> Result<Fit, FitError> {
     settings.validate()?;
+    let largest = data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
+    if largest > 1e100 || (largest > 0.0 && largest < 1e-100) {
+        return Err(FitError::Unit { largest });
+    }
     let model = settings.model.build(settings.stack.clone());
     let plan = Plan::new(data, model.as_ref())?;
     let thin = match settings.search {

@@ -73,29 +73,32 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     let identifiability = identifiability(found, unit);
     let minima = minima(found);
     let mut warnings = Vec::new();
-    if missed {
+    if by_chance {
+        warnings.push(format!(
+            "the data show no structure that the model explains: chi² is only {:.0} below that of a constant, which \
+             fitting pure noise would give",
+            gain.max(0.0)
+        ));
+    }
+    if missed && !by_chance {
         warnings.push(format!(
             "the model misses the data by {:.1} times the stated noise; the standard deviations are widened by that factor, \
              and the split of the layers depends on the model",
             reduced.sqrt()
         ));
     }
-    if structured {
+    if structured && !by_chance {
         warnings.push(format!(
             "the model misses the data: neighbouring residuals agree (correlation {:.2}), which noise does not make; the \
              standard deviations are widened {:.1} times, and the split of the layers depends on the model",
             correlation_of_residuals.value, by_structure
         ));
     }
-    if by_chance {
-        warnings.push(format!(
-            "the data show no structure: chi² is only {:.0} below that of a constant, which pure noise would give",
-            gain.max(0.0)
-        ));
+    if !by_chance {
+        warnings.extend(identifiability.undetermined.iter().cloned());
+        warnings.extend(warn_of_bounds(&estimates));
+        warnings.extend(warn_of_others(found, &estimates, unit));
     }
-    warnings.extend(identifiability.undetermined.iter().cloned());
-    warnings.extend(warn_of_bounds(&estimates));
-    warnings.extend(warn_of_others(found, &estimates, unit));
     let (covariance, correlation) = uncertainty.named_matrices(found);
     let (aicc, bic) = criteria(found.data.has_sigma(), chi2, found.plan.len(), unknowns);
     let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = estimates;
