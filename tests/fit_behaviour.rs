@@ -125,6 +125,44 @@ fn a_sigma_that_is_too_small_widens_the_errors_and_is_said_first() {
 }
 
 #[test]
+fn residuals_far_below_the_stated_noise_widen_nothing() {
+    let exact = changed(&blue(0.0), |_, reading| reading.sigma = Some(0.01));
+    let found = quiet(&exact, &FitSettings::default()).outcome;
+    assert_eq!((found.sigma_source, found.widened_by.to_bits()), (SigmaSource::Stated, 1.0_f64.to_bits()));
+    let noisy = quiet(&blue(0.01), &FitSettings::default()).outcome;
+    let ratio = found.parameters.d_air.sigma.unwrap() / noisy.parameters.d_air.sigma.unwrap();
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
+#[test]
+fn neighbouring_residuals_that_agree_widen_the_errors_with_and_without_sigma() {
+    // A slow wave of three times the noise, as a misaligned instrument adds it.
+    let wave = |index: usize| 0.03 * (index as f64 / 9.0).sin();
+    for stated in [true, false] {
+        let data = changed(&blue(0.003), |index, reading| {
+            reading.intensity += wave(index);
+            reading.sigma = stated.then_some(0.02);
+        });
+        let found = quiet(&data, &FitSettings::default()).outcome;
+        assert!(found.residual_correlation > 0.8 && found.widened_by > 3.0, "{}", found.residual_correlation);
+        assert_eq!(found.sigma_source, SigmaSource::Widened);
+        assert!(found.warnings[0].contains("neighbouring residuals agree"), "{:?}", found.warnings);
+    }
+}
+
+#[test]
+fn one_bad_reading_is_named() {
+    let data = changed(&blue(0.01), |index, reading| {
+        if index == 7 {
+            reading.intensity = 5.0;
+        }
+    });
+    let found = quiet(&data, &FitSettings::default()).outcome;
+    let named = found.warnings.iter().any(|warning| warning.contains("reading 8") || warning.contains("line 8"));
+    assert!(named, "{:?}", found.warnings);
+}
+
+#[test]
 fn outliers_pull_the_plain_fit_and_not_a_robust_one() {
     let truth = Structure::blue();
     // One reading in twelve is off by thirty standard deviations.

@@ -86,6 +86,13 @@ impl Folder {
         Ok(())
     }
 
+    /// Takes away files of an earlier run that this one does not make.
+    pub(crate) fn remove_stale(&self, names: &[&str]) {
+        for name in names {
+            let _ = fs::remove_file(self.path.join(name));
+        }
+    }
+
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

@@ -34,8 +34,13 @@ pub(crate) fn parameter(name: &str) -> Result<Parameter, String> {
     let name = name.trim();
     Parameter::from_name(name).ok_or_else(|| {
         let names = Parameter::ALL.map(Parameter::name);
-        let nearest = nearest(name, &names).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
-        format!("`{name}` is no parameter; {nearest}There are {} (or a)", names.join(", "))
+        let nearest =
+            nearest(name, &names).map(|name| format!("did you mean `{name}`? It is one of ")).unwrap_or_default();
+        format!(
+            "`{name}` is no parameter; {}{} (or a)",
+            if nearest.is_empty() { "there are " } else { &nearest },
+            names.join(", ")
+        )
     })
 }
 

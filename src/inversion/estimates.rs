@@ -75,10 +75,12 @@ fn mark_ambiguous(
 ) {
     let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return };
     let far = (ELSEWHERE * sigma).max(noticeable);
-    estimate.others = as_good(found, unit)
-        .map(|minimum| quantity(&found.searched.freedom.expand(&minimum.parameters)))
-        .filter(|other| (other - value).abs() > far)
-        .collect();
+    for minimum in as_good(found, unit) {
+        let other = quantity(&found.searched.freedom.expand(&minimum.parameters));
+        if (other - value).abs() > far && estimate.others.iter().all(|known| (other - known).abs() > far) {
+            estimate.others.push(other);
+        }
+    }
     if !estimate.others.is_empty() {
         estimate.status = Status::Ambiguous;
     }
@@ -219,7 +221,9 @@ impl Uncertainty {
         estimate.interval_68 = Some(interval(self.quantile_68));
         let wide = interval(self.quantile_95);
         estimate.interval_95 = Some(wide);
-        if estimate.status == Status::Ok && wide.contains(&None) {
+        if estimate.status == Status::Ok && wide == [None, None] {
+            estimate.withdraw();
+        } else if estimate.status == Status::Ok && wide.contains(&None) {
             estimate.status = Status::OneSided;
         }
     }
@@ -279,11 +283,14 @@ impl Uncertainty {
             let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
             self.matrix.as_ref().map(|matrix| matrix[(place, place)].sqrt())
         };
+        // A parameter that acts as a scale was held at some value, and the scale with it.
+        let conditional = found.held.iter().any(|held| held.absorbed && held.direction.len() == 1);
         (found.linear.columns.iter().enumerate())
             .map(|(i, column)| NuisanceFound {
                 name: column_name(column, found.data),
                 value: point.coefficients[i],
-                sigma: sigma(i),
+                sigma: sigma(i).filter(|_| !conditional),
+                conditional,
             })
             .collect()
     }

@@ -49,10 +49,10 @@ impl Status {
         }
     }
 
-    /// Whether the data determine the value.
+    /// Whether the data determine the value, on both sides.
     #[must_use]
     pub fn is_determined(self) -> bool {
-        matches!(self, Self::Ok | Self::Correlated | Self::OneSided)
+        matches!(self, Self::Ok | Self::Correlated)
     }
 }
 
@@ -187,6 +187,8 @@ pub struct NuisanceFound {
     pub value: f64,
     /// Standard deviation; `None` on its bound 0 or where it means nothing.
     pub sigma: Option<f64>,
+    /// Whether it stands for the held values only: a parameter that acts as a scale is not determined.
+    pub conditional: bool,
 }
 
 /// Where the standard deviations come from.

@@ -8,7 +8,8 @@ use crate::inversion::outcome::{
 };
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
-use crate::inversion::undetermined::unit_of_residuals;
+use crate::inversion::settings::Search;
+use crate::inversion::undetermined::{Held, unit_of_residuals};
 use crate::inversion::wording;
 use crate::optimise::{Loss, Minimum};
 use crate::uncertainty::goodness::excess;
@@ -18,8 +19,14 @@ use crate::uncertainty::identifiability::Identifiability;
 const MISSED: f64 = 3.7;
 /// Neighbouring residuals that agree by this many standard deviations are no noise.
 const STRUCTURED: f64 = 5.0;
+/// chi² for each degree of freedom below which the structure of residuals does not matter.
+const UNHEARD: f64 = 0.05;
+/// Scatter below this share of the largest reading is rounding.
+const ROUNDING: f64 = 1e-6;
 /// A correlation beyond this counts as this: the rule for it has no limit.
 const MOST_CORRELATED: f64 = 0.99;
+/// A reading with more than this share of chi² is named.
+const OUTLIER: f64 = 0.5;
 /// Minima listed.
 const LISTED: usize = 10;
 /// A model that lowers chi² by less than this below the best constant says nothing: of 300 sets of pure noise the fit
@@ -52,7 +59,10 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     let missed = found.data.has_sigma() && found.settings.loss == Loss::Linear && excess(chi2, dof) > MISSED;
     let by_misfit = if missed { reduced.sqrt() } else { 1.0 };
     let correlation_of_residuals = neighbours(found, &readings);
-    let structured = correlation_of_residuals.deviations > STRUCTURED;
+    // Residuals far below the stated noise, or below rounding, are not the model's: they have no say.
+    let largest = found.data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
+    let told = if found.data.has_sigma() { reduced > UNHEARD } else { unit > ROUNDING * largest };
+    let structured = told && correlation_of_residuals.deviations > STRUCTURED;
     let by_structure = if structured { correlation_of_residuals.widening() } else { 1.0 };
     let sigma_source = match (missed || structured, found.data.has_sigma()) {
         (true, _) => SigmaSource::Widened,
@@ -74,18 +84,26 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     let minima = minima(found);
     let mut warnings = Vec::new();
     if by_chance {
-        warnings.push(format!(
-            "the data show no structure that the model explains: chi² is only {:.0} below that of a constant, which \
-             fitting pure noise would give",
-            gain.max(0.0)
-        ));
+        warnings.push(if found.settings.search == Search::Local {
+            "the minimum next to the start explains nothing of the data: give a better start, or search everywhere"
+                .to_owned()
+        } else {
+            format!(
+                "the data show no structure that the model explains: chi² is only {:.0} below that of a constant, which \
+                 fitting pure noise would give",
+                gain.max(0.0)
+            )
+        });
     }
     if missed && !by_chance {
         warnings.push(format!(
             "the model misses the data by {:.1} times the stated noise; the standard deviations are widened by that factor, \
-             and the split of the layers depends on the model",
+             and the split of the layers depends on the model (or the stated sigma is too small)",
             reduced.sqrt()
         ));
+    }
+    if let Some(worst) = outlier(found, &readings, chi2).filter(|_| missed || by_chance) {
+        warnings.push(worst);
     }
     if structured && !by_chance {
         warnings.push(format!(
@@ -96,6 +114,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     }
     if !by_chance {
         warnings.extend(identifiability.undetermined.iter().cloned());
+        warnings.extend(warn_of_open_intervals(found, &estimates));
         warnings.extend(warn_of_bounds(&estimates));
         warnings.extend(warn_of_others(found, &estimates, unit));
     }
@@ -235,11 +254,14 @@ fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
     let jacobian = &found.minima[0].jacobian / unit;
     let analysis = Identifiability::new(&jacobian, &found.searched.ranges);
     let ratio = index_ratio(found);
+    // What is told in combination first, then what is not told at all, in the order of the parameters.
+    let mut held: Vec<&Held> = found.held.iter().collect();
+    held.sort_by_key(|held| (std::cmp::Reverse(held.direction.len()), held.direction.first().map(|(part, _)| *part)));
     IdentifiabilityFound {
         free: found.searched.freedom.free.iter().map(|parameter| parameter.name().to_owned()).collect(),
         rank: found.searched.freedom.free.len() - found.held.len(),
         condition: Some(analysis.condition).filter(|condition| condition.is_finite()),
-        undetermined: found.held.iter().map(|held| wording::undetermined(held, ratio)).collect(),
+        undetermined: held.into_iter().map(|held| wording::undetermined(held, ratio)).collect(),
     }
 }
 
@@ -255,14 +277,42 @@ fn minima(found: &Found<'_>) -> Vec<MinimumFound> {
     found.minima.iter().take(LISTED).map(of).collect()
 }
 
+/// A warning if one reading makes up most of chi².
+fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) -> Option<String> {
+    let size = |row: usize| readings[row].residual.abs() * found.plan.readings[row].weight;
+    let worst = (0..readings.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+    let line = found.data.readings()[worst].line;
+    let place = if line > 0 { format!("line {line}") } else { format!("reading {}", worst + 1) };
+    (size(worst).powi(2) > OUTLIER * chi2).then(|| {
+        format!("one reading makes up most of chi²: {place}; leave it out or use a robust loss (huber, cauchy)")
+    })
+}
+
 fn warn_of_bounds(estimates: &[Estimate; COUNT]) -> Vec<String> {
     (Parameter::ALL.iter().zip(estimates))
         .filter(|(_, estimate)| estimate.status == Status::AtBound)
         .map(|(parameter, estimate)| {
             let value = estimate.value.unwrap_or_default();
             let unit = parameter.unit();
-            format!("{parameter} ended on its bound {value:.4} {unit}: widen it with --bounds {parameter}=LOW:HIGH")
+            let hint = if *parameter == Parameter::Delta {
+                " (or is phi the other way round? a mirror reflects theta = 20 into phi = -20)"
+            } else {
+                ""
+            };
+            format!(
+                "{parameter} ended on its bound {value:.4} {unit}: widen it with --bounds {parameter}=LOW:HIGH{hint}"
+            )
         })
+        .collect()
+}
+
+/// Warnings of parameters whose interval spans all of their bounds.
+fn warn_of_open_intervals(found: &Found<'_>, estimates: &[Estimate; COUNT]) -> Vec<String> {
+    let of_a_direction =
+        |parameter: &Parameter| found.held.iter().any(|held| held.direction.iter().any(|(part, _)| part == parameter));
+    (Parameter::ALL.iter().zip(estimates))
+        .filter(|(parameter, estimate)| estimate.status == Status::NotIdentifiable && !of_a_direction(parameter))
+        .map(|(parameter, _)| format!("{parameter} cannot be told: its interval spans all of its bounds"))
         .collect()
 }
 

@@ -116,7 +116,7 @@ fn residual_panel(view: &View<'_>) -> Panel {
         ..PointSeries::default()
     };
     Panel {
-        y_label: if view.has_sigma { "residual / σ" } else { "residual / scatter" }.to_owned(),
+        y_label: if view.has_sigma { "residual / σ (grey: ±2)" } else { "residual / scatter (grey: ±2)" }.to_owned(),
         y_range: Some((-view.height, view.height)),
         points: vec![residuals],
         horizontal_lines: vec![0.0],

@@ -12,7 +12,7 @@ const NUISANCES: usize = 6;
 /// Curves that are named.
 const CURVES: usize = 4;
 /// Notes on the data that are told.
-const NOTES: usize = 2;
+const NOTES: usize = 6;
 /// A second minimum with so many times the chi² of the best is no rival.
 const NEAR: f64 = 2.0;
 /// Narrowest screen that is filled.
@@ -80,6 +80,9 @@ fn nuisances(found: &[NuisanceFound]) -> String {
         Some(sigma) => {
             let (value, sigma) = with_sigma(nuisance.value, sigma);
             format!("{} {value} ± {sigma}", nuisance.name)
+        }
+        None if nuisance.conditional => {
+            format!("{} {} for the held values only", nuisance.name, plain(nuisance.value))
         }
         None => format!("{} {}", nuisance.name, plain(nuisance.value)),
     };

@@ -34,7 +34,8 @@ fn partly(outcome: &FitOutcome) -> String {
     let known = names(&Status::is_determined);
     let on_a_bound = names(&|status| status == Status::AtBound);
     let ambiguous = names(&|status| status == Status::Ambiguous);
-    let apart = [Status::AtBound, Status::Ambiguous];
+    let one_sided = names(&|status| status == Status::OneSided);
+    let apart = [Status::AtBound, Status::Ambiguous, Status::OneSided];
     let unknown = names(&|status| !status.is_determined() && !apart.contains(&status));
     let mut parts = Vec::new();
     let split = ["d_air", "d_cuticle"].iter().all(|name| unknown.contains(name));
@@ -50,6 +51,9 @@ fn partly(outcome: &FitOutcome) -> String {
         unknown.into_iter().filter(|name| sum.is_none() || !["d_air", "d_cuticle"].contains(name)).collect();
     if !rest.is_empty() {
         parts.push(format!("{} {} not", list(&rest), is(&rest)));
+    }
+    if !one_sided.is_empty() {
+        parts.push(format!("{} {} told on one side only", list(&one_sided), is(&one_sided)));
     }
     if !ambiguous.is_empty() {
         let (names, verb) = (list(&ambiguous), is(&ambiguous));

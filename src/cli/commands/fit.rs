@@ -43,6 +43,9 @@ fn place(args: &OutputArgs, file: &str) -> PathBuf {
     })
 }
 
+/// The charts of a fit.
+const PICTURES: [&str; 4] = ["curves.svg", "curves.png", "residuals.svg", "residuals.png"];
+
 /// What was found and written.
 struct Files {
     fit: Fit,
@@ -64,6 +67,9 @@ fn work(problem: &Problem, folder: &Folder, args: &OutputArgs) -> Result<Files> 
         files.extend(plots(file, data, &fit)?);
     }
     folder.write(&files)?;
+    if args.no_plots {
+        folder.remove_stale(&PICTURES);
+    }
     Ok(Files { fit, json, names: files.into_iter().map(|(name, _)| name).collect() })
 }
 
@@ -75,8 +81,8 @@ fn plots(file: &str, data: &Dataset, fit: &Fit) -> Result<Vec<(&'static str, Vec
         let picture = draw(&figure)?;
         Ok([(svg, picture.svg.into_bytes()), (png, picture.png)])
     };
-    let curves = picture(curves_figure(data, fit, &title, &values), "curves.svg", "curves.png")?;
-    let residuals = picture(residuals_figure(data, fit, &title, &values), "residuals.svg", "residuals.png")?;
+    let curves = picture(curves_figure(data, fit, &title, &values), PICTURES[0], PICTURES[1])?;
+    let residuals = picture(residuals_figure(data, fit, &title, &values), PICTURES[2], PICTURES[3])?;
     Ok(curves.into_iter().chain(residuals).collect())
 }
 
