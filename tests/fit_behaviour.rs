@@ -5,7 +5,7 @@ use morpho_fit::inversion::{
     Extent, Fit, FitError, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, SigmaSource, Status, Verdict,
     Weight, fit,
 };
-use morpho_fit::optics::{BlendModel, IndexTable, Material, ReflectivityModel, Stack, Structure};
+use morpho_fit::optics::{BlendModel, IndexTable, Material, Stack, Structure};
 use morpho_fit::optimise::Loss;
 use morpho_fit::synthetic::{Scan, linspace, simulate};
 use morpho_fit::units::radians;
@@ -196,6 +196,41 @@ fn fixed_and_linked_parameters_keep_their_relation() {
 }
 
 #[test]
+fn a_link_carries_what_the_data_cannot_tell_and_what_it_fixes() {
+    // Across the ridges d_air and d_cuticle enter as their sum, which the link makes a constant.
+    let link = Role::Linked { other: Parameter::DAir, factor: -1.0, constant: 203.0 };
+    let found = quiet(&across(1.0), &FitSettings::default().with_role(Parameter::DCuticle, link)).outcome;
+    for estimate in [&found.parameters.d_air, &found.parameters.d_cuticle] {
+        assert_eq!((estimate.value, estimate.sigma), (None, None), "{estimate:?}");
+    }
+    assert_eq!((found.derived.period.status, found.derived.period.sigma), (Status::Fixed, None));
+    // What follows a fixed parameter is as fixed.
+    let fixed = FitSettings::default()
+        .with_role(Parameter::DAir, Role::Fixed { value: 141.0 })
+        .with_role(Parameter::DCuticle, link);
+    let d_cuticle = quiet(&blue(0.01), &fixed).outcome.parameters.d_cuticle;
+    assert_eq!((d_cuticle.status, d_cuticle.value, d_cuticle.sigma), (Status::Fixed, Some(62.0), None));
+}
+
+#[test]
+fn a_thickness_at_its_bound_is_no_missing_thickness() {
+    let settings = FitSettings::default()
+        .with_role(Parameter::DCuticle, Role::Fixed { value: 62.0 })
+        .with_role(Parameter::DAir, Role::Free { lower: 50.0, upper: 139.0 });
+    let found = quiet(&blue(0.01), &settings).outcome;
+    assert_eq!((found.verdict, found.parameters.d_air.status), (Verdict::PartlyDetermined, Status::AtBound));
+}
+
+#[test]
+fn one_direction_without_a_scale_is_warned_of() {
+    let nuisances = Nuisances { scale: Extent::None, ..Nuisances::default() };
+    let (model, blue) = (BlendModel::default(), Structure::blue());
+    let data = simulate(&model, &blue, &[Scan::spectrum(90.0)], 1.0, 0.01, 1).unwrap();
+    let found = quiet(&data, &FitSettings { nuisances, ..FitSettings::default() }).outcome;
+    assert!(found.warnings.iter().any(|warning| warning.contains("acts as a scale, although")), "{:?}", found.warnings);
+}
+
+#[test]
 fn each_curve_may_have_its_own_scale_and_background() {
     let data = changed(&blue(0.003), |_, reading| {
         let (scale, background) = [(1.0, 0.1), (50.0, 0.0), (0.02, 0.3), (7.0, 2.0)][reading.curve];
@@ -289,5 +324,4 @@ fn settings_that_cannot_be_are_named() {
         twice.validate().unwrap_err().to_string(),
         "d_air cannot be linked to d_cuticle, which is itself linked"
     );
-    assert!(BlendModel::default().stack().layers == 9);
 }

@@ -23,6 +23,8 @@ const AS_GOOD: f64 = 9.0;
 const ELSEWHERE: f64 = 3.0;
 /// ... and by more than this share of a change that matters.
 const NOTICEABLE: f64 = 0.2;
+/// A derived quantity with a smaller slope by every free parameter does not depend on them: a link keeps it.
+const ROUNDING: f64 = 1e-12;
 /// A derived quantity that changes by more than this share along an undetermined direction is undetermined.
 const LEAK: f64 = 0.05;
 
@@ -35,6 +37,8 @@ pub(crate) struct Found<'a> {
     pub(crate) plan: &'a Plan<'a>,
     pub(crate) linear: &'a LinearPart,
     pub(crate) robust: &'a [f64],
+    /// Weighted residual that counts as one standard deviation in the robust loss.
+    pub(crate) robust_unit: f64,
     /// The space that was searched.
     pub(crate) searched: &'a Space,
     /// What was left of it when the undetermined parameters were taken out.
@@ -131,7 +135,8 @@ impl Uncertainty {
         }
     }
 
-    /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds.
+    /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds; `None` if it depends on
+    /// none of them: a quantity that only follows what was given or stopped at a bound has no error of its own.
     fn variance(&self, gradient: &[f64; COUNT], found: &Found<'_>) -> Option<f64> {
         let matrix = self.matrix.as_ref()?;
         let to_free = found.space.freedom.matrix();
@@ -140,7 +145,7 @@ impl Uncertainty {
             let column = found.space.freedom.free.iter().position(|free| free == parameter)?;
             along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
         }
-        Some((matrix * &along).dot(&along).max(0.0))
+        (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0))
     }
 
     pub(crate) fn parameter(&self, found: &Found<'_>, point: &Evaluation, parameter: Parameter) -> Estimate {
@@ -152,14 +157,16 @@ impl Uncertainty {
         if let Role::Free { lower, upper } = role {
             estimate.bounds = Some([parameter.outside(lower), parameter.outside(upper)]);
         }
-        if let Role::Fixed { .. } = role {
+        // What follows a fixed parameter is as fixed as that one.
+        if !found.searched.freedom.moves(parameter) {
             estimate.status = Status::Fixed;
             return estimate;
         }
         let touched: Vec<&Held> =
-            found.held.iter().filter(|held| held.direction.iter().any(|(part, _)| *part == parameter)).collect();
+            found.held.iter().filter(|held| held.step(found.searched)[parameter.index()].abs() > 0.0).collect();
         if !touched.is_empty() {
-            let alone = touched.iter().any(|held| held.direction.len() == 1 && held.deviation.is_infinite());
+            let alone = role_is_free(role)
+                && touched.iter().any(|held| held.direction.len() == 1 && held.deviation.is_infinite());
             estimate.status = if alone { Status::Insensitive } else { Status::NotIdentifiable };
             let partners = touched.iter().flat_map(|held| &held.direction).map(|(part, _)| *part);
             let mut partners: Vec<Parameter> = partners.filter(|part| *part != parameter).collect();
@@ -233,11 +240,14 @@ impl Uncertainty {
         let of = |gradient: [f64; COUNT]| {
             let value: f64 = gradient.iter().zip(&point.values).map(|(g, value)| g * value).sum();
             let mut estimate = Estimate::new(value, "nm");
-            let free_thickness =
-                [Parameter::DAir, Parameter::DCuticle].into_iter().any(|p| found.space.freedom.moves(p));
+            let along = found.searched.freedom.matrix().tr_mul(&DVector::from_column_slice(&gradient));
+            if along.iter().all(|slope| slope.abs() <= ROUNDING) {
+                estimate.status = Status::Fixed;
+                return estimate;
+            }
             let mut extra = 0.0;
             for held in found.held {
-                let changes = held.direction.iter().map(|(part, step)| gradient[part.index()] * step);
+                let changes = held.step(found.searched).into_iter().zip(gradient).map(|(step, slope)| slope * step);
                 let (change, size) = changes.fold((0.0, 0.0), |(sum, size), c| (sum + c, size + f64::abs(c)));
                 if size > 0.0 && f64::abs(change) > LEAK * size {
                     estimate.status = Status::NotIdentifiable;
@@ -245,10 +255,6 @@ impl Uncertainty {
                     return estimate;
                 }
                 extra += (change * held.deviation.min(1.0)).powi(2);
-            }
-            if !free_thickness {
-                estimate.status = Status::Fixed;
-                return estimate;
             }
             let at_bound = [Parameter::DAir, Parameter::DCuticle]
                 .into_iter()

@@ -96,8 +96,8 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
         return Err(FitError::TooFewReadings { readings: plan.len(), unknowns });
     }
     let mut minima = search::minima(settings, &space, thin.as_ref(), &plan, data.has_sigma(), progress);
-    let robust = if settings.loss == Loss::Linear {
-        Vec::new()
+    let (robust, robust_unit) = if settings.loss == Loss::Linear {
+        (Vec::new(), 1.0)
     } else {
         progress("reweighting outliers");
         reweight(settings.loss, &plan, &linear, &space, &mut minima, data.has_sigma())
@@ -116,6 +116,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
         plan: &plan,
         linear: &linear,
         robust: &robust,
+        robust_unit,
         searched: &space,
         space: &final_space,
         best: &best,
@@ -124,7 +125,8 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     }))
 }
 
-/// Square roots of the robust weights at the best minimum; `minima` are brought to the robust cost and sorted by it.
+/// Square roots of the robust weights at the best minimum, and the residual that counts as one standard deviation;
+/// `minima` are brought to the robust cost, which their sums of squares then are, and sorted by it.
 fn reweight(
     loss: Loss,
     plan: &Plan<'_>,
@@ -132,7 +134,7 @@ fn reweight(
     space: &Space,
     minima: &mut [Minimum],
     has_sigma: bool,
-) -> Vec<f64> {
+) -> (Vec<f64>, f64) {
     let plain = |robust: &[f64], free: &DVector<f64>| {
         let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
         let mut residuals = problem.residuals(free);
@@ -164,6 +166,7 @@ fn reweight(
                 }
                 last = now;
             }
+            minimum.residuals = residuals.map(|r| common * loss.rho(r / common).sqrt());
             (cost(&residuals), weights, minimum)
         })
         .collect();
@@ -171,7 +174,7 @@ fn reweight(
     for (place, (_, _, minimum)) in minima.iter_mut().zip(&ranked) {
         *place = minimum.clone();
     }
-    ranked.into_iter().next().map(|(_, weights, _)| weights).unwrap_or_default()
+    (ranked.into_iter().next().map(|(_, weights, _)| weights).unwrap_or_default(), common)
 }
 
 /// Median absolute residual times 1.4826: the standard deviation of a normal sample, whatever its outliers.

@@ -157,7 +157,7 @@ pub struct NamedMatrix {
 /// One minimum of the sum of squares.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MinimumFound {
-    /// Its chi².
+    /// Its chi², or the sum of the robust loss where one is used.
     pub chi2: f64,
     /// The five values, in the user's units and the order of the parameters.
     pub values: [f64; 5],

@@ -19,6 +19,10 @@ use rustc_hash::FxHashMap;
 /// Readings that a thinned plan keeps of each curve, if it has them.
 const LEAST_OF_A_CURVE: usize = 16;
 
+/// Denominator and numerator of the golden ratio's fractional part: multiples of it are spread evenly.
+const SPREAD: usize = 1 << 16;
+const GOLDEN: usize = 40_503;
+
 /// One reading as indices into the unique points.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlannedReading {
@@ -98,7 +102,10 @@ impl<'a> Plan<'a> {
         Self::of_rows(data, model, &all)
     }
 
-    /// [`Plan::new`] for about `limit` readings, taken evenly from each curve; short curves are kept.
+    /// [`Plan::new`] for about `limit` readings of all: one from each run of neighbours in a curve; short curves are kept.
+    ///
+    /// Which one of a run is spread by the golden ratio: a fixed stride would take the same angles from each scan wherever
+    /// it shares a factor with the length of a scan, and then the search sees none of the others.
     pub(crate) fn thinned(data: &Dataset, model: &'a dyn ReflectivityModel, limit: usize) -> Result<Self, OpticsError> {
         let stride = data.readings().len().div_ceil(limit.max(1)).max(1);
         let mut curves: Vec<Vec<usize>> = vec![Vec::new(); data.curves().len()];
@@ -108,9 +115,8 @@ impl<'a> Plan<'a> {
         let mut rows: Vec<usize> = Vec::new();
         for curve in &curves {
             let stride = stride.min(curve.len() / LEAST_OF_A_CURVE).max(1);
-            // A stride that divides the length of a scan would take the same angles from each: keep it odd.
-            let stride = if stride.is_multiple_of(2) { stride + 1 } else { stride };
-            rows.extend(curve.iter().step_by(stride));
+            let spread = |place: usize, run: &[usize]| run[place.wrapping_mul(GOLDEN) % SPREAD * run.len() / SPREAD];
+            rows.extend(curve.chunks(stride).enumerate().map(|(place, run)| spread(place, run)));
         }
         rows.sort_unstable();
         Self::of_rows(data, model, &rows)
@@ -202,6 +208,11 @@ impl<'a> Plan<'a> {
     #[must_use]
     pub fn has_multilayer(&self) -> bool {
         !self.stack.is_empty()
+    }
+
+    /// Number of directions of incidence and view in which Model B is seen.
+    pub(crate) fn directions(&self) -> usize {
+        self.lobe.len()
     }
 
     pub(crate) fn interference(&self, period: f64) -> Vec<f64> {

@@ -45,11 +45,6 @@ impl Evaluation {
     }
 }
 
-/// Limits that a derivative may not cross: the domain of the models, wider than any bound of a fit.
-fn domain(parameter: Parameter) -> (f64, f64) {
-    parameter.domain()
-}
-
 impl<'a> Problem<'a> {
     pub(crate) fn new(
         plan: &'a Plan<'a>,
@@ -70,7 +65,7 @@ impl<'a> Problem<'a> {
     pub(crate) fn evaluate(&self, free: &DVector<f64>) -> Option<Evaluation> {
         let values = self.freedom.expand(free);
         let inside = Parameter::ALL.iter().zip(&values).all(|(&parameter, value)| {
-            let (lower, upper) = domain(parameter);
+            let (lower, upper) = parameter.domain();
             (lower..=upper).contains(value)
         });
         if !inside {
@@ -103,7 +98,7 @@ impl<'a> Problem<'a> {
         let moves = |parameter| self.freedom.moves(parameter);
         let difference = |parameter: Parameter, at: f64, function: &dyn Fn(f64) -> Vec<f64>| {
             moves(parameter).then(|| {
-                derivative(|x| DVector::from_vec(function(x)), at, parameter.typical_change(), domain(parameter))
+                derivative(|x| DVector::from_vec(function(x)), at, parameter.typical_change(), parameter.domain())
             })
         };
         let period = (moves(Parameter::DAir) || moves(Parameter::DCuticle)).then(|| {

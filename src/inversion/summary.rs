@@ -30,7 +30,7 @@ const OUTLIER: f64 = 0.5;
 /// Minima listed.
 const LISTED: usize = 10;
 /// A model that lowers chi² by less than this below the best constant says nothing: of 300 sets of pure noise the fit
-/// gained 21 at most, 15 in one of twenty.
+/// gained 21 at most, 15 in one of twenty (172 readings, two nuisances; each more adds about 1).
 const CHANCE: f64 = 30.0;
 
 pub(crate) fn summarise(found: &Found<'_>) -> Fit {
@@ -45,15 +45,22 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     // The best point was evaluated before, so it is in the models' domain.
     let point =
         problem.evaluate(&found.best.parameters).unwrap_or_else(|| Evaluation::empty(found.linear.columns.len()));
-    let readings = fitted_readings(found, &point);
+    let mut readings = fitted_readings(found, &point);
     let chi2: f64 = (found.plan.readings.iter().zip(&readings))
         .map(|(planned, fitted)| (fitted.residual * planned.weight).powi(2))
         .sum();
     let in_use: Vec<usize> = (0..point.coefficients.len()).filter(|&i| point.coefficients[i] > 0.0).collect();
     let unknowns = found.space.freedom.free.len() + in_use.len();
     let dof = found.plan.len().saturating_sub(unknowns);
-    let weighted = found.best.sum_of_squares();
-    let unit = unit_of_residuals(found.data, weighted, dof);
+    let robust = robust(found, &readings, dof);
+    let unit = match &robust {
+        #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+        Some(robust) => unit_of_residuals(found.data, robust.unit.powi(2) * dof as f64, dof),
+        None => unit_of_residuals(found.data, chi2, dof),
+    };
+    for (planned, fitted) in found.plan.readings.iter().zip(&mut readings) {
+        fitted.normalised = fitted.residual * planned.weight / unit;
+    }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let reduced = if dof > 0 { chi2 / dof as f64 } else { f64::NAN };
     let missed = found.data.has_sigma() && found.settings.loss == Loss::Linear && excess(chi2, dof) > MISSED;
@@ -74,8 +81,10 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
     let gain = (chi2_of_constants(found) - chi2) / (plain_unit * plain_unit);
-    let by_chance = gain < CHANCE && found.settings.loss == Loss::Linear;
-    if by_chance {
+    #[allow(clippy::cast_precision_loss, reason = "a column count is small")]
+    let by_luck = CHANCE + 2.0 * found.linear.columns.len().saturating_sub(3) as f64;
+    let by_chance = gain < by_luck && found.settings.loss == Loss::Linear;
+    if by_chance || !found.best.termination.was_successful() {
         let fitted = estimates.iter_mut().filter(|estimate| estimate.bounds.is_some());
         fitted.chain([&mut derived.period, &mut derived.optical_sum]).for_each(Estimate::withdraw);
     }
@@ -114,6 +123,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
     }
     if !by_chance {
         warnings.extend(identifiability.undetermined.iter().cloned());
+        warnings.extend(warn_of_hidden_scale(found));
         warnings.extend(warn_of_open_intervals(found, &estimates));
         warnings.extend(warn_of_bounds(&estimates));
         warnings.extend(warn_of_others(found, &estimates, unit));
@@ -128,7 +138,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         parameters: Parameters { d_air, d_cuticle, delta, phi_alpha, lamella_width },
         derived,
         chi2,
-        robust_cost: (found.settings.loss != Loss::Linear).then_some(weighted),
+        robust_cost: robust.map(|robust| robust.cost),
         dof,
         aicc,
         bic,
@@ -154,6 +164,44 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         },
     };
     Fit { outcome, readings }
+}
+
+/// What a robust loss makes of the residuals.
+struct Robust {
+    /// Sum of the loss, in the unit of chi².
+    cost: f64,
+    /// Standard deviation of a weighted residual that makes the covariance at fixed weights that of the estimate.
+    unit: f64,
+}
+
+/// Cost and unit of the robust loss; `None` for least squares.
+///
+/// ```text
+/// unit² = s² · sum(psi²)/dof · mean(w) / mean(psi')²,   psi = z w(z),   z = r / s
+/// ```
+///
+/// The covariance is taken at fixed weights, `(J' W J)⁻¹`; the estimate's is `(J' J)⁻¹ s² sum(psi²)/dof / mean(psi')²`.
+///
+/// # Source
+/// Huber 1981, *Robust Statistics*, §7.6, equation 6.5.
+fn robust(found: &Found<'_>, readings: &[FittedReading], dof: usize) -> Option<Robust> {
+    let (loss, scale) = (found.settings.loss, found.robust_unit);
+    if loss == Loss::Linear {
+        return None;
+    }
+    let (mut rho, mut pull, mut weight, mut slope) = (0.0, 0.0, 0.0, 0.0);
+    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
+        let z = fitted.residual * planned.weight / scale;
+        rho += loss.rho(z);
+        pull += (z * loss.weight(z)).powi(2);
+        weight += loss.weight(z);
+        slope += loss.influence_slope(z);
+    }
+    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+    let (n, dof) = (readings.len() as f64, dof.max(1) as f64);
+    // Far outliers have a falling pull; if most are, the formula ends and the weights alone stand.
+    let slope = (slope / n).max(0.1 * weight / n);
+    Some(Robust { cost: scale * scale * rho, unit: scale * (pull / dof * (weight / n)).sqrt() / slope })
 }
 
 /// Correlation of each residual with the next one of its curve.
@@ -202,8 +250,6 @@ fn chi2_of_constants(found: &Found<'_>) -> f64 {
 }
 
 fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> {
-    let scatter =
-        unit_of_residuals(found.data, found.best.sum_of_squares(), found.plan.len() - point.coefficients.len());
     (found.plan.readings.iter())
         .map(|reading| {
             let parts = found.plan.parts(reading, point.terms.view());
@@ -211,14 +257,7 @@ fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> 
             let (lamella, multilayer) = (on_a * parts.0, on_b * parts.1);
             let model = lamella + multilayer + background;
             let residual = reading.intensity - model;
-            FittedReading {
-                model,
-                residual,
-                normalised: residual * reading.weight / scatter,
-                lamella,
-                multilayer,
-                background,
-            }
+            FittedReading { model, residual, normalised: f64::NAN, lamella, multilayer, background }
         })
         .collect()
 }
@@ -238,9 +277,14 @@ fn verdict(found: &Found<'_>, estimates: &[Estimate; COUNT], derived: &Derived) 
     }
     let asked = |parameter: &Parameter| found.searched.freedom.free.contains(parameter);
     let told = |estimate: &Estimate| estimate.status.is_determined();
+    // A value on a bound, on one side, or one of several, is not determined, but the data do speak of it.
+    let heard = |estimate: &Estimate| {
+        let spoken = [Status::AtBound, Status::OneSided, Status::Ambiguous, Status::Linked];
+        told(estimate) || spoken.contains(&estimate.status)
+    };
     let thickness = [Parameter::DAir, Parameter::DCuticle].iter().any(asked);
     let nothing =
-        thickness && ![&estimates[0], &estimates[1], &derived.period, &derived.optical_sum].into_iter().any(told);
+        thickness && ![&estimates[0], &estimates[1], &derived.period, &derived.optical_sum].into_iter().any(heard);
     if nothing {
         Verdict::NoThickness
     } else if Parameter::ALL.iter().filter(|p| asked(p)).all(|p| told(&estimates[p.index()])) {
@@ -304,6 +348,18 @@ fn warn_of_bounds(estimates: &[Estimate; COUNT]) -> Vec<String> {
             )
         })
         .collect()
+}
+
+/// A warning if the lobe acts as a scale although none is fitted.
+fn warn_of_hidden_scale(found: &Found<'_>) -> Option<String> {
+    let free = &found.searched.freedom.free;
+    let lobe = [Parameter::Delta, Parameter::PhiAlpha].into_iter().filter(|parameter| free.contains(parameter)).count();
+    let hidden = found.settings.nuisances.scale == Extent::None && found.plan.directions() == 1 && lobe > 0;
+    hidden.then(|| {
+        "with one direction of incidence and view the lobe acts as a scale, although none is fitted: fix delta and phi_alpha \
+         if the intensities are absolute"
+            .to_owned()
+    })
 }
 
 /// Warnings of parameters whose interval spans all of their bounds.

@@ -22,6 +22,20 @@ pub(crate) struct Held {
     pub(crate) absorbed: bool,
 }
 
+impl Held {
+    /// The step along the direction of all five parameters, those that follow another included; inside units.
+    pub(crate) fn step(&self, searched: &Space) -> [f64; COUNT] {
+        let mut step = DVector::zeros(searched.freedom.free.len());
+        for (parameter, size) in &self.direction {
+            if let Some(j) = searched.freedom.free.iter().position(|free| free == parameter) {
+                step[j] = *size;
+            }
+        }
+        let all = searched.freedom.matrix() * step;
+        std::array::from_fn(|row| all[row])
+    }
+}
+
 /// Data met to this share of the largest reading are exact: no scatter below it is believed.
 const EXACT: f64 = 1e-9;
 /// A parameter that changes the model by more than this share of the data over its range does enter it.

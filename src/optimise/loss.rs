@@ -43,6 +43,18 @@ impl Loss {
         }
     }
 
+    /// `psi'(z)` of the influence `psi(z) = z · weight(z)`: how fast a residual's pull grows.
+    #[must_use]
+    pub fn influence_slope(self, z: f64) -> f64 {
+        let square = z * z;
+        match self {
+            Self::Linear => 1.0,
+            Self::SoftL1 => (1.0 + square).powf(-1.5),
+            Self::Huber => f64::from(u8::from(square <= 1.0)),
+            Self::Cauchy => (1.0 - square) / (1.0 + square).powi(2),
+        }
+    }
+
     /// Weight of the squared residual in reweighted least squares, in (0, 1].
     #[must_use]
     pub fn weight(self, z: f64) -> f64 {
@@ -69,6 +81,9 @@ mod tests {
                 let step = 1e-6 * z;
                 let slope = (loss.rho(z + step) - loss.rho(z - step)) / (2.0 * step);
                 assert_relative_eq!(loss.weight(z), slope / (2.0 * z), max_relative = 1e-6);
+                let pull = |z: f64| z * loss.weight(z);
+                let slope = (pull(z + step) - pull(z - step)) / (2.0 * step);
+                assert_relative_eq!(loss.influence_slope(z), slope, max_relative = 1e-6, epsilon = 1e-9);
             }
             assert_relative_eq!(loss.rho(1e-6), 1e-12, max_relative = 1e-9);
         }
