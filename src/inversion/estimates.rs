@@ -121,7 +121,8 @@ impl Uncertainty {
         let (lower, upper) = (found.space.bounds.lower(), found.space.bounds.upper());
         let at = &found.best.parameters;
         let moved: Vec<usize> = (0..free.len()).filter(|&j| at[j] > lower[j] && at[j] < upper[j]).collect();
-        let full = problem.full_jacobian(point);
+        // Without nuisances in use the Jacobian of the best point is the whole one.
+        let full = if in_use.is_empty() { found.best.triangle.clone() } else { problem.full_jacobian(point) };
         let columns: Vec<usize> = moved.iter().copied().chain(free.len()..full.ncols()).collect();
         let matrix = covariance(&full.select_columns(&columns)).map(|matrix| matrix * (unit * unit));
         let quantile = |z| if source == SigmaSource::Stated { z } else { student(z, dof) };

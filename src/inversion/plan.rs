@@ -14,7 +14,7 @@ use crate::inversion::parameter::COUNT;
 use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::Period;
 use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 /// Readings that a thinned plan keeps of each curve, if it has them.
 const LEAST_OF_A_CURVE: usize = 16;
@@ -135,7 +135,7 @@ impl<'a> Plan<'a> {
             curves: data.curves().len(),
         };
         let mut stack_index = FxHashMap::default();
-        let mut lamella_index = FxHashMap::default();
+        let mut lamella_index = FxHashMap::with_capacity_and_hasher(rows.len(), FxBuildHasher);
         let mut lobe_index = FxHashMap::default();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);

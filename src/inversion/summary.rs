@@ -295,7 +295,7 @@ fn verdict(found: &Found<'_>, estimates: &[Estimate; COUNT], derived: &Derived) 
 }
 
 fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
-    let jacobian = &found.minima[0].jacobian / unit;
+    let jacobian = &found.minima[0].triangle / unit;
     let analysis = Identifiability::new(&jacobian, &found.searched.ranges);
     let ratio = index_ratio(found);
     // What is told in combination first, then what is not told at all, in the order of the parameters.

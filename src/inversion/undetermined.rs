@@ -107,7 +107,7 @@ pub(crate) fn hold_undetermined(
         let free = &space.freedom.free;
         let dof = plan.len().saturating_sub(free.len() + linear.columns.len());
         let unit = unit_of_residuals(data, best.sum_of_squares(), dof);
-        let found = Identifiability::new(&(&best.jacobian / unit), &space.ranges);
+        let found = Identifiability::new(&(&best.triangle / unit), &space.ranges);
         let Some(worst) = found.undetermined().last() else { break };
         let step = |&j: &usize| (free[j], worst.components[j] * space.ranges[j]);
         let direction: Vec<(Parameter, f64)> = worst.parts().iter().map(step).collect();

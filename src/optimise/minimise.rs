@@ -25,6 +25,8 @@ pub struct Minimum {
     pub residuals: DVector<f64>,
     /// Their derivatives there.
     pub jacobian: DMatrix<f64>,
+    /// Its factor R, `[n, n]`: the same singular values and directions, in a small matrix.
+    pub triangle: DMatrix<f64>,
     /// Why the run ended.
     pub termination: Termination,
     /// Residual evaluations, those for derivatives apart.
@@ -78,7 +80,7 @@ pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tol
             None => found.termination = Termination::Kink,
         }
     }
-    if found.termination.was_successful() && is_flat(problem, &found.parameters, &found.residuals, &found.jacobian) {
+    if found.termination.was_successful() && is_flat(problem, &found) {
         found.termination = Termination::Flat;
     }
     found
@@ -102,7 +104,12 @@ fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, toleranc
     };
     let residuals = problem.residuals(&parameters);
     let jacobian = problem.jacobian(&parameters);
-    Minimum { parameters, residuals, jacobian, termination, evaluations }
+    let triangle = if jacobian.nrows() < jacobian.ncols() || !jacobian.iter().all(|value| value.is_finite()) {
+        jacobian.clone()
+    } else {
+        jacobian.clone().qr().r()
+    };
+    Minimum { parameters, residuals, jacobian, triangle, termination, evaluations }
 }
 
 /// The lowest of the points around a minimum, if one is lower: steps of several sizes along each parameter and along
@@ -111,7 +118,7 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
     let n = at.parameters.len();
     let mut directions: Vec<DVector<f64>> =
         (0..n).map(|j| DVector::from_fn(n, |i, _| if i == j { problem.scales()[j] } else { 0.0 })).collect();
-    let scaled = DMatrix::from_fn(at.jacobian.nrows(), n, |i, j| at.jacobian[(i, j)] * problem.scales()[j]);
+    let scaled = DMatrix::from_fn(at.triangle.nrows(), n, |i, j| at.triangle[(i, j)] * problem.scales()[j]);
     if let Some((_, vectors)) = right_singular(&scaled) {
         directions.extend(vectors.row_iter().map(|row| row.transpose().component_mul(problem.scales())));
     }
@@ -129,13 +136,9 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
 }
 
 /// Whether some combination of the parameters inside the box does nothing.
-fn is_flat<L: LeastSquares + ?Sized>(
-    problem: &L,
-    parameters: &DVector<f64>,
-    residuals: &DVector<f64>,
-    jacobian: &DMatrix<f64>,
-) -> bool {
-    let gradient = jacobian.tr_mul(residuals);
+fn is_flat<L: LeastSquares + ?Sized>(problem: &L, found: &Minimum) -> bool {
+    let parameters = &found.parameters;
+    let gradient = found.jacobian.tr_mul(&found.residuals);
     let bounds = problem.bounds();
     let free: Vec<usize> = (0..parameters.len())
         .filter(|&j| {
@@ -147,7 +150,7 @@ fn is_flat<L: LeastSquares + ?Sized>(
     if free.is_empty() {
         return false;
     }
-    let mut scaled = jacobian.select_columns(&free);
+    let mut scaled = found.triangle.select_columns(&free);
     for (c, &j) in free.iter().enumerate() {
         scaled.column_mut(c).scale_mut(problem.scales()[j].max(parameters[j].abs()));
     }
