@@ -264,6 +264,7 @@ fn a_film_over_a_gap_on_a_plate_is_the_same_program() {
         .with_role(Parameter::DCuticle, Role::Free { lower: 200.0, upper: 400.0 })
         .with_role(Parameter::Delta, Role::Fixed { value: 0.0 });
     let found = quiet(&data, &settings).outcome;
+    assert!(!found.warnings.iter().any(|warning| warning.contains("acts as a scale")), "{:?}", found.warnings);
     for (estimate, truth) in [(&found.parameters.d_air, 60.0), (&found.parameters.d_cuticle, 287.0)] {
         let (value, sigma) = (estimate.value.unwrap(), estimate.sigma.unwrap());
         assert!((value - truth).abs() < 4.0 * sigma && sigma < 2.0, "{value} ± {sigma} for {truth}");

@@ -95,7 +95,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     if plan.len() <= unknowns {
         return Err(FitError::TooFewReadings { readings: plan.len(), unknowns });
     }
-    let mut minima = search::minima(settings, &space, thin.as_ref(), &plan, data.has_sigma(), progress);
+    let mut minima = search::minima(settings, &space, thin.as_ref(), &plan, &linear, data.has_sigma(), progress);
     let (robust, robust_unit) = if settings.loss == Loss::Linear {
         (Vec::new(), 1.0)
     } else {
@@ -109,7 +109,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     progress("asking what the data determine");
     let (held, final_space, best) = hold_undetermined(settings, &plan, &linear, &robust, &space, &minima[0], data)?;
     let minima = apart_beyond(minima, &held, &space);
-    Ok(summarise(&Found {
+    let fit = summarise(&Found {
         data,
         settings,
         model: model.as_ref(),
@@ -122,7 +122,8 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
         best: &best,
         minima: &minima,
         held: &held,
-    }))
+    });
+    fit.ok_or(FitError::NowhereFinite { model: model.name() })
 }
 
 /// Square roots of the robust weights at the best minimum, and the residual that counts as one standard deviation;

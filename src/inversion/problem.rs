@@ -33,18 +33,6 @@ pub(crate) struct Evaluation {
     pub(crate) coefficients: DVector<f64>,
 }
 
-impl Evaluation {
-    /// A point without values.
-    pub(crate) fn empty(columns: usize) -> Self {
-        Self {
-            free: DVector::zeros(0),
-            values: [f64::NAN; COUNT],
-            terms: Terms::default(),
-            coefficients: DVector::zeros(columns),
-        }
-    }
-}
-
 impl<'a> Problem<'a> {
     pub(crate) fn new(
         plan: &'a Plan<'a>,

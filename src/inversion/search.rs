@@ -88,17 +88,17 @@ pub(crate) fn minima(
     space: &Space,
     thin: Option<&Plan<'_>>,
     plan: &Plan<'_>,
+    linear: &LinearPart,
     has_sigma: bool,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Vec<Minimum> {
-    let linear = LinearPart::new(&settings.nuisances, plan);
     let start = start(settings, space);
     let runs = |plan: &Plan<'_>, linear: &LinearPart, starts: &[DVector<f64>], tolerances| {
         let problem = || Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, &[]);
         merge_equal(multistart(problem, starts, tolerances), &space.scales)
     };
     let Some(thin) = thin else {
-        return runs(plan, &linear, &[start], FINE);
+        return runs(plan, linear, &[start], FINE);
     };
     let thin_linear = LinearPart::new(&settings.nuisances, thin);
     progress("searching the grid");
@@ -116,7 +116,7 @@ pub(crate) fn minima(
             .take(REFINED * effort)
             .collect();
         progress("refining the minima");
-        found.extend(runs(plan, &linear, &refined, FINE));
+        found.extend(runs(plan, linear, &refined, FINE));
         let best = found.iter().map(Minimum::sum_of_squares).fold(f64::INFINITY, f64::min);
         if !has_sigma || excess(best, plan.len().saturating_sub(space.freedom.free.len())) < SUSPICIOUS {
             break;

@@ -33,7 +33,8 @@ const LISTED: usize = 10;
 /// gained 21 at most, 15 in one of twenty (172 readings, two nuisances; each more adds about 1).
 const CHANCE: f64 = 30.0;
 
-pub(crate) fn summarise(found: &Found<'_>) -> Fit {
+/// What is said of a minimum; `None` if the model has no value there.
+pub(crate) fn summarise(found: &Found<'_>) -> Option<Fit> {
     let problem = Problem::new(
         found.plan,
         found.linear,
@@ -42,9 +43,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
         &found.space.scales,
         found.robust,
     );
-    // The best point was evaluated before, so it is in the models' domain.
-    let point =
-        problem.evaluate(&found.best.parameters).unwrap_or_else(|| Evaluation::empty(found.linear.columns.len()));
+    let point = problem.evaluate(&found.best.parameters)?;
     let mut readings = fitted_readings(found, &point);
     let chi2: f64 = (found.plan.readings.iter().zip(&readings))
         .map(|(planned, fitted)| (fitted.residual * planned.weight).powi(2))
@@ -163,7 +162,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Fit {
             notes: found.data.notes().to_vec(),
         },
     };
-    Fit { outcome, readings }
+    Some(Fit { outcome, readings })
 }
 
 /// What a robust loss makes of the residuals.
@@ -353,8 +352,9 @@ fn warn_of_bounds(estimates: &[Estimate; COUNT]) -> Vec<String> {
 /// A warning if the lobe acts as a scale although none is fitted.
 fn warn_of_hidden_scale(found: &Found<'_>) -> Option<String> {
     let free = &found.searched.freedom.free;
-    let lobe = [Parameter::Delta, Parameter::PhiAlpha].into_iter().filter(|parameter| free.contains(parameter)).count();
-    let hidden = found.settings.nuisances.scale == Extent::None && found.plan.directions() == 1 && lobe > 0;
+    // A width that the data do not feel, as in the mirror direction of a fixed tilt, was taken out of the fit.
+    let lobe = free.contains(&Parameter::Delta) || found.space.freedom.free.contains(&Parameter::PhiAlpha);
+    let hidden = found.settings.nuisances.scale == Extent::None && found.plan.directions() == 1 && lobe;
     hidden.then(|| {
         "with one direction of incidence and view the lobe acts as a scale, although none is fitted: fix delta and phi_alpha \
          if the intensities are absolute"

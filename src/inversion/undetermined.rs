@@ -112,8 +112,7 @@ pub(crate) fn hold_undetermined(
         let step = |&j: &usize| (free[j], worst.components[j] * space.ranges[j]);
         let direction: Vec<(Parameter, f64)> = worst.parts().iter().map(step).collect();
         let Some(&(parameter, _)) = direction.first() else { break };
-        let structural = worst.deviation * 1e-8 >= found.directions[0].deviation;
-        let deviation = if structural { f64::INFINITY } else { worst.deviation };
+        let deviation = worst.deviation;
         let values = space.freedom.expand(&best.parameters);
         let value = values[parameter.index()];
         let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);

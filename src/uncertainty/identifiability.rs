@@ -24,7 +24,7 @@ const SHARE: f64 = 0.05;
 pub struct Direction {
     /// Components in units of each parameter's range, of length 1.
     pub components: DVector<f64>,
-    /// Standard deviation along it, in the same units; infinite if the data say nothing.
+    /// Standard deviation along it, in the same units; infinite if the data say nothing, up to rounding.
     pub deviation: f64,
 }
 
@@ -79,6 +79,11 @@ impl Identifiability {
         let determined =
             |direction: &&Direction| direction.deviation < PRACTICAL && direction.deviation * STRUCTURAL < best;
         let rank = directions.iter().filter(determined).count();
+        for direction in &mut directions {
+            if direction.deviation * STRUCTURAL >= best {
+                direction.deviation = f64::INFINITY;
+            }
+        }
         Self { directions, rank, condition: if worst.is_finite() { worst / best } else { f64::INFINITY } }
     }
 
