@@ -90,7 +90,6 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
         pool.install(|| quiet(&data, &FitSettings::default()))
     };
     let (one, three) = (on(1), on(3));
-    assert_eq!(one, three);
     assert_eq!(format!("{one:?}"), format!("{three:?}"));
 }
 

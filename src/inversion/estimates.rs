@@ -1,13 +1,15 @@
 //! Estimates: values, standard deviations, intervals and statuses from the covariance at a minimum.
 
 use crate::dataset::Dataset;
+use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::{Column, LinearPart, Multiplies};
 use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, SigmaSource, Status};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::plan::Plan;
 use crate::inversion::problem::{Evaluation, Problem};
-use crate::inversion::search::Space;
 use crate::inversion::settings::FitSettings;
+use crate::inversion::solution::Solution;
+use crate::inversion::space::Space;
 use crate::inversion::undetermined::Held;
 use crate::optics::ReflectivityModel;
 use crate::optimise::Minimum;
@@ -31,6 +33,7 @@ const LEAK: f64 = 0.05;
 /// Everything a summary is made of.
 #[derive(Debug)]
 pub(crate) struct Found<'a> {
+    pub(crate) compiled: &'a Compiled<'a>,
     pub(crate) data: &'a Dataset,
     pub(crate) settings: &'a FitSettings,
     pub(crate) model: &'a dyn ReflectivityModel,
@@ -46,6 +49,26 @@ pub(crate) struct Found<'a> {
     pub(crate) best: &'a Minimum,
     pub(crate) minima: &'a [Minimum],
     pub(crate) held: &'a [Held],
+}
+
+impl<'a> Found<'a> {
+    pub(crate) fn new(compiled: &'a Compiled<'a>, model: &'a dyn ReflectivityModel, solution: &'a Solution) -> Self {
+        Self {
+            compiled,
+            data: compiled.data,
+            settings: compiled.settings,
+            model,
+            plan: &compiled.plan,
+            linear: &compiled.linear,
+            robust: &solution.robust,
+            robust_unit: solution.robust_unit,
+            searched: &solution.searched,
+            space: &solution.space,
+            best: &solution.best,
+            minima: &solution.minima,
+            held: &solution.held,
+        }
+    }
 }
 
 /// Covariance over the parameters that moved freely, and the rules for intervals.

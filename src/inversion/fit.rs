@@ -1,14 +1,15 @@
 //! The fit: search, robust reweighting, what is determined, and the result.
 
 use crate::dataset::Dataset;
+use crate::inversion::compiled::Compiled;
 use crate::inversion::estimates::Found;
-use crate::inversion::nuisance::LinearPart;
 use crate::inversion::outcome::Fit;
-use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
-use crate::inversion::search::{self, FINE, Space};
+use crate::inversion::search::{self, FINE};
 use crate::inversion::settings::{FitSettings, Search, SettingsError};
-use crate::inversion::summary::summarise;
+use crate::inversion::solution::Solution;
+use crate::inversion::space::Space;
+use crate::inversion::summary::{Summary, summarise};
 use crate::inversion::undetermined::{apart_beyond, hold_undetermined};
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
@@ -84,68 +85,51 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
         return Err(FitError::Unit { largest });
     }
     let model = settings.model.build(settings.stack.clone());
-    let plan = Plan::new(data, model.as_ref())?;
+    let compiled = Compiled::new(data, settings, model.as_ref())?;
     let thin = match settings.search {
-        Search::Global => Some(Plan::thinned(data, model.as_ref(), THINNED)?),
+        Search::Global => Some(Compiled::thinned(data, settings, model.as_ref(), THINNED)?),
         Search::Local => None,
     };
-    let linear = LinearPart::new(&settings.nuisances, &plan);
-    let space = Space::new(&settings.roles)?;
-    let unknowns = space.freedom.free.len() + linear.columns.len();
-    if plan.len() <= unknowns {
-        return Err(FitError::TooFewReadings { readings: plan.len(), unknowns });
+    let searched = Space::new(&settings.roles)?;
+    let (readings, unknowns) = (compiled.plan.len(), searched.freedom.free.len() + compiled.linear.columns.len());
+    if readings <= unknowns {
+        return Err(FitError::TooFewReadings { readings, unknowns });
     }
-    let mut minima = search::minima(settings, &space, thin.as_ref(), &plan, &linear, data.has_sigma(), progress);
+    let mut minima = search::minima(&compiled, thin.as_ref(), &searched, progress);
     let (robust, robust_unit) = if settings.loss == Loss::Linear {
         (Vec::new(), 1.0)
     } else {
         progress("reweighting outliers");
-        reweight(settings.loss, &plan, &linear, &space, &mut minima, data.has_sigma())
+        reweight(&compiled, &searched, &mut minima)
     };
     minima.retain(|minimum| minimum.sum_of_squares().is_finite());
     if minima.is_empty() {
         return Err(FitError::NowhereFinite { model: model.name() });
     }
     progress("asking what the data determine");
-    let (held, final_space, best) = hold_undetermined(settings, &plan, &linear, &robust, &space, &minima[0], data)?;
-    let minima = apart_beyond(minima, &held, &space);
-    let fit = summarise(&Found {
-        data,
-        settings,
-        model: model.as_ref(),
-        plan: &plan,
-        linear: &linear,
-        robust: &robust,
-        robust_unit,
-        searched: &space,
-        space: &final_space,
-        best: &best,
-        minima: &minima,
-        held: &held,
-    });
-    fit.ok_or(FitError::NowhereFinite { model: model.name() })
+    let (held, space, best) = hold_undetermined(&compiled, &robust, &searched, &minima[0])?;
+    let minima = apart_beyond(minima, &held, &searched);
+    let mut solution = Solution { searched, space, best, minima, held, robust, robust_unit, unit: 1.0 };
+    let summary = summarise(&Found::new(&compiled, model.as_ref(), &solution));
+    let Summary { outcome, readings, unit } = summary.ok_or(FitError::NowhereFinite { model: model.name() })?;
+    solution.unit = unit;
+    Ok(Fit { outcome, readings, solution })
 }
 
 /// Square roots of the robust weights at the best minimum, and the residual that counts as one standard deviation;
 /// `minima` are brought to the robust cost, which their sums of squares then are, and sorted by it.
-fn reweight(
-    loss: Loss,
-    plan: &Plan<'_>,
-    linear: &LinearPart,
-    space: &Space,
-    minima: &mut [Minimum],
-    has_sigma: bool,
-) -> (Vec<f64>, f64) {
+fn reweight(compiled: &Compiled<'_>, space: &Space, minima: &mut [Minimum]) -> (Vec<f64>, f64) {
+    let loss = compiled.settings.loss;
     let plain = |robust: &[f64], free: &DVector<f64>| {
-        let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
+        let problem = Problem::new(compiled, space, robust);
         let mut residuals = problem.residuals(free);
         for (residual, root) in residuals.iter_mut().zip(robust) {
             *residual /= root;
         }
         residuals
     };
-    let scale = |residuals: &DVector<f64>| if has_sigma { 1.0 } else { median_deviation(residuals) };
-    let unit = vec![1.0; plan.len()];
+    let scale = |residuals: &DVector<f64>| if compiled.data.has_sigma() { 1.0 } else { median_deviation(residuals) };
+    let unit = vec![1.0; compiled.plan.len()];
     let common = minima.first().map_or(1.0, |best| scale(&plain(&unit, &best.parameters)));
     let cost = |residuals: &DVector<f64>| residuals.iter().map(|r| loss.rho(r / common)).sum::<f64>();
     let mut ranked: Vec<(f64, Vec<f64>, Minimum)> = minima
@@ -157,7 +141,7 @@ fn reweight(
             let mut last = cost(&residuals);
             for _ in 0..REWEIGHTINGS {
                 weights = residuals.iter().map(|r| loss.weight(r / common).sqrt()).collect();
-                let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, &weights);
+                let problem = Problem::new(compiled, space, &weights);
                 minimum = minimise(&problem, &minimum.parameters, FINE);
                 residuals = plain(&weights, &minimum.parameters);
                 let now = cost(&residuals);

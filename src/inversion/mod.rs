@@ -1,5 +1,6 @@
 //! The inverse problem: from a measured data set to the structure that made it. The one join of optics, data and optimiser.
 
+mod compiled;
 mod estimates;
 mod fit;
 mod nuisance;
@@ -9,6 +10,8 @@ mod plan;
 mod problem;
 mod search;
 mod settings;
+mod solution;
+mod space;
 mod summary;
 mod undetermined;
 mod wording;

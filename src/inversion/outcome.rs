@@ -1,6 +1,7 @@
 //! What a fit found, in the user's units, ready to be written as `fit.json`.
 
 use crate::inversion::settings::FitSettings;
+use crate::inversion::solution::Solution;
 use crate::optimise::Termination;
 use serde::{Deserialize, Serialize};
 
@@ -304,11 +305,12 @@ pub struct FittedReading {
     pub background: f64,
 }
 
-/// A fit with its curves.
-#[derive(Debug, Clone, PartialEq)]
+/// A fit with its curves, and what further questions to it need.
+#[derive(Debug, Clone)]
 pub struct Fit {
     /// Everything that `fit.json` holds.
     pub outcome: FitOutcome,
     /// A row for each reading, in the order of the data.
     pub readings: Vec<FittedReading>,
+    pub(crate) solution: Solution,
 }

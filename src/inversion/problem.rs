@@ -4,9 +4,11 @@
 //! r_i = (model_i(p, c) - intensity_i) / sigma_i,   c = best non-negative nuisances at p
 //! ```
 
+use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::LinearPart;
-use crate::inversion::parameter::{COUNT, Freedom, Parameter};
+use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::plan::{Plan, Terms};
+use crate::inversion::space::Space;
 use crate::optimise::{Bounds, LeastSquares, derivative};
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
@@ -16,9 +18,7 @@ use std::cell::RefCell;
 pub(crate) struct Problem<'a> {
     plan: &'a Plan<'a>,
     linear: &'a LinearPart,
-    freedom: &'a Freedom,
-    bounds: &'a Bounds,
-    scales: &'a DVector<f64>,
+    space: &'a Space,
     /// Square roots of the weights of a robust loss; empty for none.
     robust: &'a [f64],
     last: RefCell<Option<Evaluation>>,
@@ -34,15 +34,8 @@ pub(crate) struct Evaluation {
 }
 
 impl<'a> Problem<'a> {
-    pub(crate) fn new(
-        plan: &'a Plan<'a>,
-        linear: &'a LinearPart,
-        freedom: &'a Freedom,
-        bounds: &'a Bounds,
-        scales: &'a DVector<f64>,
-        robust: &'a [f64],
-    ) -> Self {
-        Self { plan, linear, freedom, bounds, scales, robust, last: RefCell::new(None) }
+    pub(crate) fn new(compiled: &'a Compiled<'_>, space: &'a Space, robust: &'a [f64]) -> Self {
+        Self { plan: &compiled.plan, linear: &compiled.linear, space, robust, last: RefCell::new(None) }
     }
 
     fn weight(&self, row: usize) -> f64 {
@@ -51,7 +44,7 @@ impl<'a> Problem<'a> {
 
     /// The model at `free` with its best nuisances; `None` outside the models' domain.
     pub(crate) fn evaluate(&self, free: &DVector<f64>) -> Option<Evaluation> {
-        let values = self.freedom.expand(free);
+        let values = self.space.freedom.expand(free);
         let inside = Parameter::ALL.iter().zip(&values).all(|(&parameter, value)| {
             let (lower, upper) = parameter.domain();
             (lower..=upper).contains(value)
@@ -83,7 +76,7 @@ impl<'a> Problem<'a> {
     fn slopes(&self, point: &Evaluation) -> DMatrix<f64> {
         let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = point.values;
         let plan = self.plan;
-        let moves = |parameter| self.freedom.moves(parameter);
+        let moves = |parameter| self.space.freedom.moves(parameter);
         let difference = |parameter: Parameter, at: f64, function: &dyn Fn(f64) -> Vec<f64>| {
             moves(parameter).then(|| {
                 derivative(|x| DVector::from_vec(function(x)), at, parameter.typical_change(), parameter.domain())
@@ -132,7 +125,7 @@ impl<'a> Problem<'a> {
                 all[(row, column)] = slope;
             }
         }
-        if self.freedom.is_all_free() { all } else { all * self.freedom.matrix() }
+        if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }
     }
 
     /// The linear columns in use at `point`, weighted, `[m, q]`.
@@ -162,11 +155,11 @@ impl LeastSquares for Problem<'_> {
     }
 
     fn bounds(&self) -> &Bounds {
-        self.bounds
+        &self.space.bounds
     }
 
     fn scales(&self) -> &DVector<f64> {
-        self.scales
+        &self.space.scales
     }
 
     /// Kaufman's form: the slopes at fixed nuisances less their projection on the linear columns in use.
@@ -190,7 +183,6 @@ impl LeastSquares for Problem<'_> {
 mod tests {
     use super::*;
     use crate::inversion::nuisance::{Extent, Nuisances, Weight};
-    use crate::inversion::search::Space;
     use crate::inversion::settings::FitSettings;
     use crate::optics::{BlendModel, Structure};
     use crate::optimise::central_jacobian;
@@ -201,16 +193,16 @@ mod tests {
     fn slopes_by_terms_agree_with_differences_of_the_residuals() {
         let (model, blue) = (BlendModel::default(), Structure::blue());
         let data = simulate(&model, &blue, &Scan::full_design(&model, &blue).unwrap(), 2.0, 0.0, 1).unwrap();
-        let plan = Plan::new(&data, &model).unwrap();
-        let settings = FitSettings::default();
-        let space = Space::new(&settings.roles).unwrap();
+        let space = Space::new(&FitSettings::default().roles).unwrap();
         for (scale, weight, background) in [
             (Extent::None, Weight::Fixed(0.7), Extent::None),
             (Extent::Shared, Weight::Fitted, Extent::None),
             (Extent::PerCurve, Weight::Fitted, Extent::Shared),
         ] {
-            let linear = LinearPart::new(&Nuisances { scale, weight, background }, &plan);
-            let problem = Problem::new(&plan, &linear, &space.freedom, &space.bounds, &space.scales, &[]);
+            let nuisances = Nuisances { scale, weight, background };
+            let settings = FitSettings { nuisances, ..FitSettings::default() };
+            let compiled = Compiled::new(&data, &settings, &model).unwrap();
+            let problem = Problem::new(&compiled, &space, &[]);
             for point in [[141.0, 62.0, 0.04, 0.5, 300.0], [120.0, 75.0, -0.02, 0.7, 250.0]] {
                 let at = DVector::from_column_slice(&point);
                 // Golub and Pereyra's full Jacobian differs from Kaufman's by a term along the residuals' normal; both have

@@ -3,12 +3,14 @@
 //! The landscape has 15 to 50 minima in a box of 20–300 nm, and a minimum is as narrow as a fringe of the spectrum. The
 //! grid samples it several times a fringe with the linear nuisances eliminated; the solver does the rest.
 
+use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::LinearPart;
-use crate::inversion::parameter::{COUNT, Freedom, Parameter, Role};
+use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::plan::{Plan, TermsView};
 use crate::inversion::problem::Problem;
 use crate::inversion::settings::FitSettings;
-use crate::optimise::{Bounds, Minimum, Tolerances, merge_equal, merge_near, multistart};
+use crate::inversion::space::Space;
+use crate::optimise::{Minimum, Tolerances, merge_equal, merge_near, multistart};
 use crate::uncertainty::goodness::excess;
 use nalgebra::DVector;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
@@ -55,60 +57,29 @@ const COARSE: Tolerances = Tolerances { cost: 1e-4, step: 1e-5, gradient: 1e-8, 
 pub(crate) const FINE: Tolerances =
     Tolerances { cost: 1e-10, step: 1e-10, gradient: 1e-13, max_evaluations: 400, escapes: 20 };
 
-/// What a search needs to know, compiled.
-#[derive(Debug)]
-pub(crate) struct Space {
-    pub(crate) freedom: Freedom,
-    pub(crate) bounds: Bounds,
-    /// Range of each free parameter.
-    pub(crate) ranges: DVector<f64>,
-    /// A change that matters of each free parameter.
-    pub(crate) scales: DVector<f64>,
-}
-
-impl Space {
-    /// The space of `roles`, whose bounds were checked.
-    pub(crate) fn new(roles: &[Role; COUNT]) -> Result<Self, crate::optimise::BoundsError> {
-        let freedom = Freedom::new(roles);
-        let limits = |parameter: &Parameter| match roles[parameter.index()] {
-            Role::Free { lower, upper } => (lower, upper),
-            Role::Fixed { .. } | Role::Linked { .. } => parameter.domain(),
-        };
-        let (lower, upper): (Vec<f64>, Vec<f64>) = freedom.free.iter().map(limits).unzip();
-        let bounds = Bounds::new(&lower, &upper)?;
-        let ranges = bounds.upper() - bounds.lower();
-        let scales = DVector::from_iterator(freedom.free.len(), freedom.free.iter().map(|p| p.typical_change()));
-        Ok(Self { freedom, bounds, ranges, scales })
-    }
-}
-
 /// The distinct minima, best first: of the whole box by way of the readings in `thin`, or from the start alone.
 pub(crate) fn minima(
-    settings: &FitSettings,
+    compiled: &Compiled<'_>,
+    thin: Option<&Compiled<'_>>,
     space: &Space,
-    thin: Option<&Plan<'_>>,
-    plan: &Plan<'_>,
-    linear: &LinearPart,
-    has_sigma: bool,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Vec<Minimum> {
+    let settings = compiled.settings;
     let start = start(settings, space);
-    let runs = |plan: &Plan<'_>, linear: &LinearPart, starts: &[DVector<f64>], tolerances| {
-        let problem = || Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, &[]);
-        merge_equal(multistart(problem, starts, tolerances), &space.scales)
+    let runs = |compiled: &Compiled<'_>, starts: &[DVector<f64>], tolerances| {
+        merge_equal(multistart(|| Problem::new(compiled, space, &[]), starts, tolerances), &space.scales)
     };
     let Some(thin) = thin else {
-        return runs(plan, linear, &[start], FINE);
+        return runs(compiled, &[start], FINE);
     };
-    let thin_linear = LinearPart::new(&settings.nuisances, thin);
     progress("searching the grid");
-    let cells = grid(space, thin, &thin_linear);
+    let cells = grid(space, &thin.plan, &thin.linear);
     let mut found = Vec::new();
     for effort in [1, DEEPER] {
         let mut starts = vec![start.clone()];
-        starts.extend(starts_from(settings, space, thin, &thin_linear, &cells, effort));
+        starts.extend(starts_from(thin, space, &cells, effort));
         progress("polishing the best cells");
-        let rough = runs(thin, &thin_linear, &starts, COARSE);
+        let rough = runs(thin, &starts, COARSE);
         let hopeless = HOPELESS * rough.first().map_or(0.0, Minimum::sum_of_squares);
         let refined: Vec<DVector<f64>> = (rough.iter().enumerate())
             .filter(|(place, run)| *place < ALWAYS_REFINED * effort || run.sum_of_squares() < hopeless)
@@ -116,9 +87,10 @@ pub(crate) fn minima(
             .take(REFINED * effort)
             .collect();
         progress("refining the minima");
-        found.extend(runs(plan, linear, &refined, FINE));
+        found.extend(runs(compiled, &refined, FINE));
         let best = found.iter().map(Minimum::sum_of_squares).fold(f64::INFINITY, f64::min);
-        if !has_sigma || excess(best, plan.len().saturating_sub(space.freedom.free.len())) < SUSPICIOUS {
+        let dof = compiled.plan.len().saturating_sub(space.freedom.free.len());
+        if !compiled.data.has_sigma() || excess(best, dof) < SUSPICIOUS {
             break;
         }
     }
@@ -127,15 +99,9 @@ pub(crate) fn minima(
 
 /// What is polished: the best cells of the grid, the swap partners and mirror images of the best of these, and random
 /// points; `effort` times as many of each as usual.
-fn starts_from(
-    settings: &FitSettings,
-    space: &Space,
-    thin: &Plan<'_>,
-    linear: &LinearPart,
-    cells: &[Cell],
-    effort: usize,
-) -> Vec<DVector<f64>> {
-    let best = finer(space, thin, linear, &cells[..cells.len().min(effort * POLISHED)]);
+fn starts_from(thin: &Compiled<'_>, space: &Space, cells: &[Cell], effort: usize) -> Vec<DVector<f64>> {
+    let settings = thin.settings;
+    let best = finer(space, &thin.plan, &thin.linear, &cells[..cells.len().min(effort * POLISHED)]);
     let mut starts: Vec<DVector<f64>> = best.iter().map(|cell| space.freedom.restrict(&cell.values)).collect();
     let ratio = index_ratio(settings);
     starts.extend(best.iter().take(effort * SWAPPED).filter_map(|cell| swap_partner(&cell.values, ratio, space)));

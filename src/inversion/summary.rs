@@ -3,8 +3,8 @@
 use crate::inversion::estimates::{Found, Uncertainty, as_good, index_ratio};
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{
-    DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, Parameters,
-    SCHEMA, SigmaSource, Status, Verdict,
+    DataFound, Derived, Estimate, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, Parameters, SCHEMA,
+    SigmaSource, Status, Verdict,
 };
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
@@ -33,16 +33,17 @@ const LISTED: usize = 10;
 /// gained 21 at most, 15 in one of twenty (172 readings, two nuisances; each more adds about 1).
 const CHANCE: f64 = 30.0;
 
+/// What is said of a minimum.
+pub(crate) struct Summary {
+    pub(crate) outcome: FitOutcome,
+    pub(crate) readings: Vec<FittedReading>,
+    /// Standard deviation of a weighted residual, widened where the model misses the data.
+    pub(crate) unit: f64,
+}
+
 /// What is said of a minimum; `None` if the model has no value there.
-pub(crate) fn summarise(found: &Found<'_>) -> Option<Fit> {
-    let problem = Problem::new(
-        found.plan,
-        found.linear,
-        &found.space.freedom,
-        &found.space.bounds,
-        &found.space.scales,
-        found.robust,
-    );
+pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
+    let problem = Problem::new(found.compiled, found.space, found.robust);
     let point = problem.evaluate(&found.best.parameters)?;
     let mut readings = fitted_readings(found, &point);
     let chi2: f64 = (found.plan.readings.iter().zip(&readings))
@@ -162,7 +163,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Fit> {
             notes: found.data.notes().to_vec(),
         },
     };
-    Some(Fit { outcome, readings })
+    Some(Summary { outcome, readings, unit })
 }
 
 /// What a robust loss makes of the residuals.

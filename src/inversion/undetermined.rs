@@ -1,12 +1,11 @@
 //! Taking out what the data do not determine: directions, the parameters held for them, and minima along them.
 
 use crate::dataset::Dataset;
-use crate::inversion::nuisance::LinearPart;
+use crate::inversion::compiled::Compiled;
 use crate::inversion::parameter::{COUNT, Parameter, Role};
-use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
-use crate::inversion::search::{APART, FINE, Space};
-use crate::inversion::settings::FitSettings;
+use crate::inversion::search::{APART, FINE};
+use crate::inversion::space::Space;
 use crate::optimise::{BoundsError, Minimum, minimise};
 use crate::uncertainty::identifiability::Identifiability;
 use nalgebra::DVector;
@@ -91,22 +90,19 @@ pub(crate) fn apart_beyond(minima: Vec<Minimum>, held: &[Held], space: &Space) -
 
 /// Takes out one parameter for each direction that the data do not determine, and fits the others again.
 pub(crate) fn hold_undetermined(
-    settings: &FitSettings,
-    plan: &Plan<'_>,
-    linear: &LinearPart,
+    compiled: &Compiled<'_>,
     robust: &[f64],
     searched: &Space,
     best: &Minimum,
-    data: &Dataset,
 ) -> Result<(Vec<Held>, Space, Minimum), BoundsError> {
-    let mut roles: [Role; COUNT] = settings.roles;
+    let mut roles: [Role; COUNT] = compiled.settings.roles;
     let mut space = Space::new(&roles)?;
     let mut best = best.clone();
     let mut held: Vec<Held> = Vec::new();
     for _ in 0..searched.freedom.free.len() {
         let free = &space.freedom.free;
-        let dof = plan.len().saturating_sub(free.len() + linear.columns.len());
-        let unit = unit_of_residuals(data, best.sum_of_squares(), dof);
+        let dof = compiled.plan.len().saturating_sub(free.len() + compiled.linear.columns.len());
+        let unit = unit_of_residuals(compiled.data, best.sum_of_squares(), dof);
         let found = Identifiability::new(&(&best.triangle / unit), &space.ranges);
         let Some(worst) = found.undetermined().last() else { break };
         let step = |&j: &usize| (free[j], worst.components[j] * space.ranges[j]);
@@ -115,7 +111,7 @@ pub(crate) fn hold_undetermined(
         let deviation = worst.deviation;
         let values = space.freedom.expand(&best.parameters);
         let value = values[parameter.index()];
-        let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
+        let problem = Problem::new(compiled, &space, robust);
         let absorbed = problem.evaluate(&best.parameters).is_some_and(|point| {
             let column = free.iter().position(|other| *other == parameter);
             let bare = column.map_or(0.0, |j| problem.full_jacobian(&point).column(j).norm() * space.ranges[j]);
@@ -124,7 +120,7 @@ pub(crate) fn hold_undetermined(
         held.push(Held { direction, deviation, absorbed });
         roles[parameter.index()] = Role::Fixed { value };
         space = Space::new(&roles)?;
-        let problem = Problem::new(plan, linear, &space.freedom, &space.bounds, &space.scales, robust);
+        let problem = Problem::new(compiled, &space, robust);
         best = minimise(&problem, &space.freedom.restrict(&values), FINE);
     }
     Ok((held, space, best))
