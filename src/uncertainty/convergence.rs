@@ -57,7 +57,7 @@ impl Convergence {
         let steps = chains.first()?.len();
         let half = steps / 2;
         let usable = |chain: &&[f64]| chain.len() == steps && chain.iter().all(|value| value.is_finite());
-        if half < SHORTEST_HALF || !chains.iter().all(|chain| usable(&chain)) {
+        if half < SHORTEST_HALF || !chains.iter().all(usable) {
             return None;
         }
         // The quantiles are of all steps, the rest of the halves.
@@ -223,7 +223,7 @@ mod tests {
         for line in REFERENCE.lines().skip(1) {
             let cells: Vec<&str> = line.split(',').collect();
             let numbers: Vec<f64> = cells[1..].iter().map(|cell| cell.parse().unwrap()).collect();
-            let (length, expected) = (numbers[0] as usize, &numbers[1..4]);
+            let (length, expected) = (cells[1].parse::<usize>().unwrap(), &numbers[1..4]);
             let chains: Vec<&[f64]> = numbers[4..].chunks_exact(length).collect();
             let found = Convergence::of(&chains).unwrap();
             assert_relative_eq!(found.r_hat, expected[0], max_relative = 1e-10);

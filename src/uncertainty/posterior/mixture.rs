@@ -4,7 +4,7 @@
 //! q(x) = sum_k w_k t(x; c_k, S_k),   t(x; c, S) ~ |S|^(-1/2) (1 + δ/nu)^(-(nu + d)/2),   δ = (x - c)' S⁻¹ (x - c)
 //! ```
 //!
-//! The fit is expectation and maximisation with nu held (Peel and McLachlan 2000, DOI 10.1023/A:1008981510081), so that
+//! The fit is expectation and maximisation with nu held (Peel, `McLachlan` 2000, DOI 10.1023/A:1008981510081), so that
 //! it is this `q` itself that comes nearest to the samples. Where the density is far above `q`, a component is added
 //! (Hoogerheide, Opschoor, van Dijk 2012, DOI 10.1016/j.jeconom.2012.06.011).
 
@@ -298,7 +298,7 @@ impl Mixture {
             }
             for (j, &(part, distance)) in parts.iter().enumerate() {
                 let r = part / sum;
-                if !(r > 1e-6) {
+                if r.is_nan() || r < 1e-6 {
                     continue;
                 }
                 let u = r * (FREEDOM + d) / (FREEDOM + distance);

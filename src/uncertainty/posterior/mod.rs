@@ -10,6 +10,9 @@
 //! is thrown away, and nothing is adapted while samples are kept, so that they are of the density itself. Sampling ends by
 //! [`Convergence`] over all walkers, or with the budget.
 //!
+//! Sampling that ends by the look of its chains favours those that have not yet met a rare, far tail: on a strongly curved
+//! ridge, second moments come out one to three per cent small.
+//!
 //! No mode that neither the approximation nor the walkers ever touch is found: it is a sampler, not a search.
 
 mod ensemble;
@@ -38,7 +41,7 @@ const MAX_ROUNDS: usize = 12;
 /// Kept samples that are worth less than this part of their number are given up for one more fit of the mixture.
 const POOR: f64 = 0.15;
 /// So many times at most: giving up what looks poor favours chains that did not get caught in a tail.
-const MAX_REFITS: usize = 2;
+const MAX_REFITS: usize = 5;
 /// A round that raises the share of accepted draws by less than this, ends the warm-up,
 const IMPROVEMENT: f64 = 0.03;
 /// and so does a share that is as good as this.

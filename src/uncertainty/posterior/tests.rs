@@ -36,7 +36,7 @@ fn assert_mean(found: &Posterior, expected: f64, of: impl Fn(&[f64]) -> f64) {
 /// Covariance with deviations 1, 10, 0.1, 1, 100 and correlation 0.9^|i - j|, whose inverse is in closed form.
 fn correlated() -> DMatrix<f64> {
     let deviations = [1.0, 10.0, 0.1, 1.0, 100.0];
-    DMatrix::from_fn(5, 5, |i, j| deviations[i] * deviations[j] * 0.9_f64.powi(i.abs_diff(j) as i32))
+    DMatrix::from_fn(5, 5, |i, j| deviations[i] * deviations[j] * 0.9_f64.powf(i.abs_diff(j) as f64))
 }
 
 #[test]
