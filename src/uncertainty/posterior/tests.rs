@@ -3,8 +3,7 @@
 use super::*;
 use rayon::ThreadPoolBuilder;
 
-/// Deviations that a moment may be off its closed form, in Monte-Carlo standard errors; none of the fixed seeds below
-/// comes near it, and about one in 16,000 would.
+/// Deviations that a moment may be off its closed form, in Monte-Carlo standard errors: chance exceeds it once in 16,000.
 const SIGMAS: f64 = 4.0;
 
 fn wanting(effective: f64) -> SamplerSettings {
