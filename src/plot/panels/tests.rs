@@ -27,7 +27,7 @@ fn panel(title: &str) -> Panel {
 }
 
 fn figure(panels: Vec<Panel>) -> Figure {
-    Figure { title: "A figure".into(), subtitle: "with a subtitle".into(), panels, columns: None }
+    Figure { title: "A figure".into(), subtitle: "with a subtitle".into(), panels, ..Figure::default() }
 }
 
 fn one(panel: Panel) -> Figure {
@@ -36,7 +36,7 @@ fn one(panel: Panel) -> Figure {
 
 /// The marks of a figure and its size.
 fn marks(figure: &Figure) -> (Vec<Mark>, f64, f64) {
-    validate(figure).unwrap();
+    validate::validate(figure).unwrap();
     let layout = layout::Layout::of(figure).unwrap();
     let mut canvas = Canvas::default();
     layout.paint(&mut canvas).unwrap();
