@@ -173,3 +173,98 @@ fn colour_range(atlas: &Atlas) -> (f64, f64) {
     let high = highest.clamp(low + 2, low + 2 * DECADES);
     (10f64.powi(low), 10f64.powi(high))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::draw;
+
+    /// Two round wells at (3, 6) and (6, 3), the second 1 higher.
+    fn atlas() -> Atlas {
+        let axis: Vec<f64> = (0..40).map(|i| 0.25 * f64::from(i)).collect();
+        let well = |x: f64, y: f64, at: (f64, f64)| 20.0 * ((x - at.0).powi(2) + (y - at.1).powi(2));
+        let value = |x: f64, y: f64| well(x, y, (3.0, 6.0)).min(1.0 + well(x, y, (6.0, 3.0)));
+        Atlas {
+            title: "title".into(),
+            subtitle: String::new(),
+            x_label: "d_air / nm".into(),
+            y_label: "d_cuticle / nm".into(),
+            delta_chi_squared: axis.iter().flat_map(|&y| axis.iter().map(move |&x| value(x, y))).collect(),
+            x: axis.clone(),
+            y: axis,
+            level: Some(("95 % level".into(), 5.99)),
+            minima: vec![
+                Minimum { x: 3.0, y: 6.0, label: "best fit".into(), best: true },
+                Minimum { x: 6.0, y: 3.0, label: "swap partner".into(), best: false },
+            ],
+        }
+    }
+
+    #[test]
+    fn the_picture_names_the_minima_and_the_level() {
+        let picture = draw(&atlas_figure(&atlas()).unwrap()).unwrap();
+        for text in ["1", "2", "best fit", "swap partner", "95 % level", "Δχ²", "d_cuticle / nm"] {
+            assert!(picture.svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        // A number stands in the map and in the legend.
+        assert!(picture.svg.matches("\n2\n").count() >= 2);
+        assert_eq!(draw(&atlas_figure(&atlas()).unwrap()).unwrap(), picture);
+    }
+
+    #[test]
+    fn each_well_has_its_outline() {
+        let figure = atlas_figure(&atlas()).unwrap();
+        let outline = &figure.panels[0].lines[0];
+        assert_eq!(outline.x.iter().filter(|x| x.is_nan()).count(), 2);
+        // The level is 20 r^2 around the first well.
+        let radius = |x: f64, y: f64| (x - 3.0).hypot(y - 6.0).min(9.0);
+        let reached = outline.x.iter().zip(&outline.y).map(|(&x, &y)| radius(x, y)).filter(|r| *r < 2.0);
+        let largest = reached.fold(0.0, f64::max);
+        assert!((largest - (5.99_f64 / 20.0).sqrt()).abs() < 0.02, "{largest}");
+    }
+
+    #[test]
+    fn cells_lie_around_their_values() {
+        assert_eq!(edges_around(&[1.0, 2.0, 4.0]), [0.5, 1.5, 3.0, 5.0]);
+    }
+
+    #[test]
+    fn colours_span_the_map_and_the_level() {
+        let mut map = atlas();
+        assert_eq!(colour_range(&map), (0.1, 1e3));
+        map.delta_chi_squared.iter_mut().for_each(|value| *value *= 1e9);
+        assert_eq!(colour_range(&map), (1.0, 1e8));
+        map.delta_chi_squared.iter_mut().for_each(|value| *value = 0.0);
+        assert_eq!(colour_range(&map), (1e-2, 1.0));
+    }
+
+    #[test]
+    fn odd_maps_are_drawn() {
+        let mut odd = atlas();
+        odd.delta_chi_squared.iter_mut().step_by(3).for_each(|value| *value = f64::NAN);
+        odd.delta_chi_squared[1] = f64::INFINITY;
+        odd.delta_chi_squared[2] = -1.0;
+        odd.minima = vec![Minimum { x: 99.0, y: 99.0, label: "elsewhere".into(), best: false }; MINIMA];
+        assert!(draw(&atlas_figure(&odd).unwrap()).unwrap().svg.contains("elsewhere"));
+        odd.minima.iter_mut().for_each(|minimum| (minimum.x, minimum.y) = (3.0, 3.0));
+        draw(&atlas_figure(&odd).unwrap()).unwrap();
+        odd.delta_chi_squared.fill(0.0);
+        draw(&atlas_figure(&odd).unwrap()).unwrap();
+    }
+
+    #[test]
+    fn contradictions_are_errors() {
+        let with = |change: fn(&mut Atlas)| {
+            let mut atlas = atlas();
+            change(&mut atlas);
+            atlas_figure(&atlas).unwrap_err().to_string()
+        };
+        assert!(with(|atlas| atlas.x.truncate(1)).contains("1 values of d_air / nm, where 2 to 400"));
+        assert!(with(|atlas| atlas.delta_chi_squared.truncate(9)).contains("9 values of Δχ², but 1600 are needed"));
+        assert!(with(|atlas| atlas.y[7] = 0.0).contains("value 7 of d_cuticle / nm is 0"));
+        assert!(with(|atlas| atlas.x[7] = f64::NAN).contains("value 7 of d_air / nm is NaN"));
+        assert!(with(|atlas| atlas.delta_chi_squared.fill(f64::NAN)).contains("Δχ² is NaN"));
+        assert!(with(|atlas| atlas.minima[1].y = f64::NAN).contains("value 1 of swap partner"));
+        assert!(with(|atlas| atlas.level = Some(("95 %".into(), 0.0))).contains("level is 0"));
+    }
+}

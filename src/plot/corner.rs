@@ -2,6 +2,7 @@
 
 use super::contour::contour;
 use super::histogram::{bins, counts, edges, enclosing_level, grid_counts, quantile, smoothed};
+use super::panels::factor;
 use super::{BarSeries, ColourMap, Figure, HeatMap, LineSeries, Panel, PlotError, VerticalLine, check};
 
 const CHART: &str = "corner";
@@ -17,6 +18,9 @@ const CENTRAL: f64 = 0.6827;
 /// Shares inside the two contours.
 const CONTOURS: [(&str, f64, f64); 2] =
     [("68 % of the samples within", 0.68, 1.6), ("95 % of the samples within", 0.95, 1.0)];
+
+/// Names up to so many characters are repeated in the heading.
+const LONGEST_HEADING: usize = 18;
 
 const SAMPLES: usize = 0;
 const BEST: usize = 1;
@@ -194,21 +198,32 @@ fn histogram(column: &Column<'_>) -> Panel {
     }
 }
 
-/// `d_air / nm: 141.2 +1.3 −1.1`, with two figures in the distances.
+/// `d_air: 141.2 +1.3 −1.1`, with two figures in the distances. The unit stands at the axes, a long name as well.
 fn heading(column: &Column<'_>) -> String {
-    let median = quantile(&column.sorted, 0.5);
-    let (above, below) = (column.interval.1 - median, median - column.interval.0);
-    let smallest = [above.abs(), below.abs()].into_iter().filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min);
-    let finest = if smallest.is_finite() { smallest } else { 1e-3 * median.abs() };
-    let size = median.abs().max(above.abs()).max(below.abs());
-    let text = if size < 1e6 && finest > 1e-7 {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 8 by the comparison")]
-        let places = (1.0 - finest.log10().floor()).clamp(0.0, 8.0) as usize;
-        format!("{median:.places$} {above:+.places$} {:+.places$}", -below)
-    } else {
-        format!("{median:.3e} {above:+.1e} {:+.1e}", -below)
-    };
-    format!("{}: {}", column.name, text.replace('-', "−"))
+    let values = spread(quantile(&column.sorted, 0.5), column.interval);
+    match column.name.split(" / ").next() {
+        Some(name) if name.chars().count() <= LONGEST_HEADING => format!("{name}: {values}"),
+        _ => values,
+    }
+}
+
+/// A value with the distances to the ends of its interval; very large and very small ones with a power of ten.
+fn spread(value: f64, (low, high): (f64, f64)) -> String {
+    let (above, below) = (high - value, low - value);
+    let size = value.abs().max(above.abs()).max(below.abs());
+    let power = if size > 0.0 && !(1e-3..1e6).contains(&size) { size.log10().floor() } else { 0.0 };
+    // In two steps: ten to the -308 has no inverse.
+    let scaled = |value: f64| value / 10f64.powf(power / 2.0) / 10f64.powf(power / 2.0);
+    let distances = [scaled(above).abs(), scaled(below).abs()];
+    let smallest = distances.into_iter().filter(|distance| *distance > 0.0).fold(f64::INFINITY, f64::min);
+    let finest = if smallest.is_finite() { smallest } else { 1e-2 };
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped from 0 to 8")]
+    let places = (1.0 - finest.log10().floor()).clamp(0.0, 8.0) as usize;
+    let text = format!("{:.places$} {:+.places$} {:+.places$}", scaled(value), scaled(above), scaled(below));
+    let text = text.replace('-', "−");
+    #[allow(clippy::cast_possible_truncation, reason = "the power of ten of a double")]
+    let factor = factor(power as i64);
+    if factor.is_empty() { text } else { format!("({text}) {factor}") }
 }
 
 fn pair(x: &Column<'_>, y: &Column<'_>) -> Panel {
@@ -253,4 +268,89 @@ fn outlines(x: &Column<'_>, y: &Column<'_>, smooth: &[f64], bins: usize) -> Vec<
         Some(LineSeries { name: name.to_owned(), x, y, colour: INK, dashed: false, width })
     };
     CONTOURS.iter().filter_map(outline).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::draw;
+
+    fn corner(samples: Vec<Vec<f64>>) -> Corner {
+        let names = (0..samples.len()).map(|index| format!("quantity {index} / nm")).collect();
+        Corner { title: "title".into(), names, samples, ..Corner::default() }
+    }
+
+    /// Points of a low-discrepancy sequence: the golden ratio and its square.
+    fn samples(count: usize) -> Vec<Vec<f64>> {
+        let golden = 0.618_033_988_749_894_9_f64;
+        let column = |step: f64| (0..count).map(|i| (step * i as f64).fract()).collect();
+        vec![column(golden), column(golden * golden * 3.0), column(0.414_213_562)]
+    }
+
+    #[test]
+    fn every_sample_lands_in_a_bin() {
+        let figure = corner_figure(&corner(samples(500))).unwrap();
+        assert_eq!((figure.panels.len(), figure.panels.iter().filter(|panel| panel.blank).count()), (9, 3));
+        for panel in figure.panels.iter().filter(|panel| !panel.blank) {
+            let in_bars: f64 = panel.bars.iter().flat_map(|bars| &bars.heights).sum();
+            let cells = panel.heat.iter().flat_map(|heat| &heat.values);
+            let in_cells: f64 = cells.filter(|value| !value.is_nan()).sum();
+            assert!((in_bars + in_cells - 500.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn names_and_marks_are_in_the_picture() {
+        let marked = Corner {
+            best: Some(vec![0.5; 3]),
+            truths: Some(vec![0.4, 0.5, 3.0]),
+            intervals: Some(vec![(0.2, 0.9); 3]),
+            ..corner(samples(200))
+        };
+        let svg = draw(&corner_figure(&marked).unwrap()).unwrap().svg;
+        for text in ["title", "quantity 0 / nm", "quantity 2 / nm", "best fit", "truth", "interval"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert!(svg.contains("95 % of the samples within"));
+    }
+
+    #[test]
+    fn the_interval_of_equally_spaced_samples_is_the_central_share() {
+        let column = (0..10_001).map(|i| f64::from(i) / 10_000.0).collect();
+        let figure = corner_figure(&corner(vec![column])).unwrap();
+        let ends: Vec<f64> = figure.panels[0].vertical_lines.iter().map(|line| line.x).collect();
+        assert!((ends[0] - 0.15865).abs() < 1e-9 && (ends[1] - 0.84135).abs() < 1e-9, "{ends:?}");
+    }
+
+    #[test]
+    fn a_heading_has_two_figures_in_its_distances() {
+        assert_eq!(spread(141.23, (139.9, 142.5)), "141.2 +1.3 −1.3");
+        assert_eq!(spread(1.5e-4, (1.48e-4, 1.53e-4)), "(1.500 +0.030 −0.020) ×10⁻⁴");
+        assert_eq!(spread(300.0, (275.0, 325.0)), "300 +25 −25");
+        assert_eq!(spread(0.0, (0.0, 0.0)), "0.000 +0.000 +0.000");
+    }
+
+    #[test]
+    fn odd_samples_are_drawn() {
+        for values in [vec![2.0; 7], vec![0.0], vec![-1e300, 1e300, 0.0], vec![5e-324, 0.0], vec![1.0, 1.0 + 1e-15]] {
+            let figure = corner_figure(&corner(vec![values.clone(), values])).unwrap();
+            assert_eq!(draw(&figure).unwrap(), draw(&figure).unwrap());
+        }
+    }
+
+    #[test]
+    fn contradictions_are_errors() {
+        let message = |corner: &Corner| corner_figure(corner).unwrap_err().to_string();
+        assert_eq!(message(&corner(vec![])), "corner chart: 0 quantities, where 1 to 8 can be drawn");
+        assert!(message(&corner(vec![vec![1.0]; 9])).contains("9 quantities"));
+        assert!(matches!(corner_figure(&corner(vec![vec![]])), Err(PlotError::Count { found: 0, .. })));
+        let ragged = corner(vec![vec![1.0, 2.0], vec![1.0]]);
+        assert_eq!(message(&ragged), "corner chart: 1 values of quantity 1 / nm, but 2 are needed");
+        let missing = corner(vec![vec![1.0, f64::NAN]]);
+        assert_eq!(message(&missing), "corner chart: value 1 of quantity 0 / nm is NaN, which cannot be drawn");
+        let best = Corner { best: Some(vec![]), ..corner(vec![vec![1.0]]) };
+        assert!(matches!(corner_figure(&best), Err(PlotError::Unequal { .. })));
+        let open = Corner { intervals: Some(vec![(0.0, f64::INFINITY)]), ..corner(vec![vec![1.0]]) };
+        assert!(matches!(corner_figure(&open), Err(PlotError::Unusable { .. })));
+    }
 }

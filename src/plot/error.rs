@@ -102,6 +102,16 @@ pub enum PlotError {
         /// Value of the last colour.
         high: f64,
     },
+    /// The text of a badge is too long for it.
+    #[error("panel `{panel}`: the badge `{text}` has more than {most} characters; put the rest into its name")]
+    BadgeLength {
+        /// Title of the panel.
+        panel: String,
+        /// The text.
+        text: String,
+        /// The largest number of characters.
+        most: usize,
+    },
     /// A chart has too few or too many of something.
     #[error("{chart} chart: {found} {what}, where {least} to {most} can be drawn")]
     Count {

@@ -9,12 +9,15 @@ mod heat;
 mod labels;
 mod layout;
 mod legend;
+#[cfg(test)]
+mod mark_tests;
 mod marks;
 mod panel;
 #[cfg(test)]
 mod tests;
 mod validate;
 
+pub(super) use axis::factor;
 pub use marks::{BarSeries, ColourMap, ColourScale, HeatMap, Label, LabelStyle, VerticalLine};
 
 use super::PlotError;
@@ -154,8 +157,8 @@ impl Default for LineSeries {
 ///
 /// # Errors
 /// [`PlotError::NoPanels`], [`PlotError::NoColumns`], [`PlotError::PlotSize`], [`PlotError::LengthMismatch`],
-/// [`PlotError::ReversedRange`], [`PlotError::LineWidth`], [`PlotError::Edges`], [`PlotError::CellCount`] or
-/// [`PlotError::ColourRange`] if the figure contradicts the descriptions of its fields; [`PlotError::PictureSize`] if
+/// [`PlotError::ReversedRange`], [`PlotError::LineWidth`], [`PlotError::Edges`], [`PlotError::CellCount`],
+/// [`PlotError::ColourRange`] or [`PlotError::BadgeLength`] if the figure contradicts the descriptions of its fields; [`PlotError::PictureSize`] if
 /// it has too many panels or too long texts for one picture; the errors of [`picture`].
 pub fn draw(figure: &Figure) -> Result<Picture, PlotError> {
     validate::validate(figure)?;

@@ -55,7 +55,7 @@ pub struct ProfileQuantity {
 /// parabola(x) = ((x - best) / sigma)^2
 /// ```
 ///
-/// The panel ends somewhat above the highest level; what is higher is cut off.
+/// The panel ends somewhat above the highest level; what is higher is cut off. An open end has a label at the bound.
 ///
 /// # Errors
 /// [`PlotError::Count`] without quantities or values, or with too many quantities or levels; [`PlotError::Unequal`] if
@@ -76,14 +76,20 @@ pub struct ProfileQuantity {
 /// let profile =
 ///     Profile { quantities: vec![quantity], levels: vec![("68.3 %".into(), 1.0)], ..Profile::default() };
 /// let picture = draw(&profile_figure(&profile)?)?;
-/// assert!(picture.svg.contains("68.3 %: Δχ² = 1, ends of the interval"));
+/// assert!(picture.svg.contains("68.3 %: Δχ² = 1, ends of the interval dashed"));
 /// # Ok::<(), morpho_fit::plot::PlotError>(())
 /// ```
 pub fn profile_figure(profile: &Profile) -> Result<Figure, PlotError> {
     validate(profile)?;
+    let mut ends = profile.quantities.iter().flat_map(|quantity| &quantity.ends);
+    let mut remarks = vec![profile.subtitle.clone()];
+    if ends.any(|(low, high)| low.is_none() || high.is_none()) {
+        remarks.push("open: a bound comes before the end of the interval".to_owned());
+    }
+    remarks.retain(|remark| !remark.is_empty());
     Ok(Figure {
         title: profile.title.clone(),
-        subtitle: profile.subtitle.clone(),
+        subtitle: remarks.join(" · "),
         panels: profile.quantities.iter().map(|quantity| panel(quantity, &profile.levels)).collect(),
         ..Figure::default()
     })
@@ -131,22 +137,14 @@ fn panel(quantity: &ProfileQuantity, levels: &[(String, f64)]) -> Panel {
     let mut lines: Vec<LineSeries> = Vec::new();
     let mut vertical_lines = Vec::new();
     let mut labels = Vec::new();
-    for (index, (((name, height), &(from, to)), &colour)) in
-        levels.iter().zip(&quantity.ends).zip(&LEVEL_COLOURS).enumerate()
-    {
-        let named = format!("{name}: Δχ² = {}, ends of the interval", rounded(*height));
+    for (((name, height), &(from, to)), &colour) in levels.iter().zip(&quantity.ends).zip(&LEVEL_COLOURS) {
+        let named = format!("{name}: Δχ² = {}, ends of the interval dashed", rounded(*height));
         let (x, y) = (vec![shown.0, shown.1], vec![*height; 2]);
         lines.push(LineSeries { name: named, x, y, colour, dashed: false, width: 1.2 });
         let closed = [from, to].into_iter().flatten();
         vertical_lines.extend(closed.map(|x| VerticalLine { x, colour, dashed: true, ..VerticalLine::default() }));
-        let open = [(from, low, "below"), (to, high, "above")];
-        let open = open.into_iter().filter(|(end, _, _)| end.is_none());
-        labels.extend(open.map(|(_, x, side)| Label {
-            x,
-            y: *height - 0.02 * top * index as f64,
-            text: format!("{name}: open {side}, at the bound"),
-            ..Label::default()
-        }));
+        let open = [(from, low), (to, high)].into_iter().filter(|(end, _)| end.is_none());
+        labels.extend(open.map(|(_, x)| Label { x, y: *height, text: format!("{name}: open"), ..Label::default() }));
     }
     if let Some(sigma) = quantity.sigma {
         let x: Vec<f64> = (0..PARABOLA).map(|i| i as f64 / (PARABOLA - 1) as f64).collect();
@@ -176,4 +174,86 @@ fn panel(quantity: &ProfileQuantity, levels: &[(String, f64)]) -> Panel {
 /// A level without more digits than it was meant to have.
 fn rounded(height: f64) -> String {
     format!("{}", (height * 1e3).round() / 1e3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::draw;
+
+    /// A parabola with sigma 2 around 10, held between 6 and 12.
+    fn profile() -> Profile {
+        let values: Vec<f64> = (0..=12).map(|i| 6.0 + 0.5 * f64::from(i)).collect();
+        let quantity = ProfileQuantity {
+            name: "d_air / nm".into(),
+            delta_chi_squared: values.iter().map(|value| ((value - 10.0) / 2.0).powi(2)).collect(),
+            values,
+            best: 10.0,
+            sigma: Some(2.0),
+            ends: vec![(Some(8.0), Some(12.0)), (Some(6.08), None)],
+        };
+        let levels = vec![("68.3 %".into(), 1.0), ("95 %".into(), 3.841_46)];
+        Profile { title: "title".into(), subtitle: String::new(), quantities: vec![quantity], levels }
+    }
+
+    #[test]
+    fn the_picture_names_levels_and_open_ends() {
+        let picture = draw(&profile_figure(&profile()).unwrap()).unwrap();
+        for text in [
+            "68.3 %: Δχ² = 1, ends of the interval dashed",
+            "95 %: Δχ² = 3.841, ends of the interval dashed",
+            "95 %: open",
+            "open: a bound comes before the end of the interval",
+            "d_air / nm",
+            "parabola of the covariance",
+        ] {
+            assert!(picture.svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert!(!picture.svg.contains("68.3 %: open"));
+        assert_eq!(draw(&profile_figure(&profile()).unwrap()).unwrap(), picture);
+    }
+
+    #[test]
+    fn the_parabola_of_a_parabola_is_the_profile() {
+        let figure = profile_figure(&profile()).unwrap();
+        let parabola = figure.panels[0].lines.iter().find(|line| line.name.starts_with("parabola")).unwrap();
+        for (x, y) in parabola.x.iter().zip(&parabola.y) {
+            assert!((y - ((x - 10.0) / 2.0).powi(2)).abs() < 1e-12);
+        }
+        let ends: Vec<f64> = figure.panels[0].vertical_lines.iter().map(|line| line.x).collect();
+        assert_eq!(ends, [8.0, 12.0, 6.08]);
+    }
+
+    #[test]
+    fn odd_profiles_are_drawn() {
+        for (values, heights) in
+            [(vec![1.0], vec![0.0]), (vec![2.0; 3], vec![-1.0; 3]), (vec![0.0, 1e300], vec![1e300; 2])]
+        {
+            let mut odd = profile();
+            odd.quantities[0].ends = vec![(None, None); 2];
+            odd.quantities[0].sigma = Some(1e-300);
+            (odd.quantities[0].values, odd.quantities[0].delta_chi_squared) = (values, heights);
+            draw(&profile_figure(&odd).unwrap()).unwrap();
+            odd.levels.clear();
+            odd.quantities[0].ends.clear();
+            draw(&profile_figure(&odd).unwrap()).unwrap();
+        }
+    }
+
+    #[test]
+    fn contradictions_are_errors() {
+        let with = |change: fn(&mut Profile)| {
+            let mut profile = profile();
+            change(&mut profile);
+            profile_figure(&profile).unwrap_err().to_string()
+        };
+        assert!(with(|profile| profile.quantities.clear()).contains("0 quantities"));
+        assert!(with(|profile| profile.quantities[0].values.clear()).contains("0 values of d_air"));
+        assert!(with(|profile| profile.quantities[0].delta_chi_squared.truncate(2)).contains("2 values of Δχ²"));
+        assert!(with(|profile| profile.quantities[0].delta_chi_squared[3] = f64::NAN).contains("value 3 of Δχ²"));
+        assert!(with(|profile| profile.quantities[0].sigma = Some(0.0)).contains("sigma of d_air"));
+        assert!(with(|profile| profile.levels[1].1 = -1.0).contains("value 1 of levels is -1"));
+        assert!(with(|profile| profile.quantities[0].ends.truncate(1)).contains("1 values of ends"));
+        assert!(with(|profile| profile.levels.extend(profile.levels.clone())).contains("4 levels"));
+    }
 }

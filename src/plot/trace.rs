@@ -140,3 +140,72 @@ fn heading(quantity: &TraceQuantity) -> String {
 fn unit_of(name: &str) -> &str {
     name.rsplit_once('/').map_or("", |(_, unit)| unit.trim())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::draw;
+
+    fn trace(chains: usize, steps: usize) -> Trace {
+        let chain = |chain: usize| (0..steps).map(|step| ((step * (chain + 3)) as f64).sin()).collect();
+        let quantity = TraceQuantity {
+            name: "d_air / nm".into(),
+            chains: (0..chains).map(chain).collect(),
+            r_hat: Some(1.0123),
+            effective_samples: Some(431.6),
+        };
+        Trace { quantities: vec![quantity], stride: 5, ..Trace::default() }
+    }
+
+    #[test]
+    fn many_chains_and_long_ones_are_thinned_and_the_chart_says_so() {
+        let figure = trace_figure(&trace(20, 2001)).unwrap();
+        assert_eq!(figure.subtitle, "8 of 20 chains are shown · one value of 3 is shown");
+        assert_eq!(figure.panels[0].title, "d_air / nm · R-hat 1.012 · ESS 432");
+        let lines = &figure.panels[0].lines;
+        assert_eq!((lines.len(), lines[0].x.len()), (CHAINS, 667));
+        // The third value drawn is the seventh of the chain, at step 30.
+        assert_eq!((lines[1].x[2], lines[1].y[2]), (30.0, (6.0_f64 * 5.0).sin()));
+        let short = trace_figure(&trace(3, 1000)).unwrap();
+        assert_eq!((short.subtitle.as_str(), short.panels[0].lines[2].x.len()), ("", 1000));
+    }
+
+    #[test]
+    fn the_picture_has_its_texts_and_is_the_same_each_time() {
+        let marked = Trace { title: "title".into(), warm_up: Some(100), ..trace(4, 50) };
+        let picture = draw(&trace_figure(&marked).unwrap()).unwrap();
+        for text in ["title", "step", "nm", "end of the warm-up"] {
+            assert!(picture.svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert_eq!(draw(&trace_figure(&marked).unwrap()).unwrap(), picture);
+    }
+
+    #[test]
+    fn a_single_value_and_equal_values_are_drawn() {
+        let mut flat = trace(2, 30);
+        flat.quantities[0].chains = vec![vec![7.0; 30]; 2];
+        flat.quantities[0].r_hat = Some(f64::NAN);
+        assert_eq!(trace_figure(&flat).unwrap().panels[0].title, "d_air / nm · ESS 432");
+        draw(&trace_figure(&flat).unwrap()).unwrap();
+        draw(&trace_figure(&trace(1, 1)).unwrap()).unwrap();
+    }
+
+    #[test]
+    fn contradictions_are_errors() {
+        let with = |change: fn(&mut Trace)| {
+            let mut trace = trace(2, 9);
+            change(&mut trace);
+            trace_figure(&trace).unwrap_err().to_string()
+        };
+        assert!(with(|trace| trace.quantities.clear()).contains("0 quantities"));
+        assert!(with(|trace| trace.stride = 0).contains("0 steps from value to value"));
+        assert!(with(|trace| trace.quantities[0].chains.clear()).contains("0 chains"));
+        assert!(
+            with(|trace| trace.quantities[0].chains.iter_mut().for_each(Vec::clear)).contains("0 values in a chain")
+        );
+        assert!(with(|trace| trace.quantities[0].chains[1].truncate(4)).contains("4 values of d_air / nm, but 9"));
+        assert!(
+            with(|trace| trace.quantities[0].chains[1][3] = f64::INFINITY).contains("value 3 of d_air / nm is inf")
+        );
+    }
+}

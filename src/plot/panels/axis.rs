@@ -170,7 +170,7 @@ impl Step {
 }
 
 /// `×10ⁿ`, or nothing for n = 0.
-fn factor(power: i64) -> String {
+pub(in crate::plot) fn factor(power: i64) -> String {
     if power == 0 {
         return String::new();
     }

@@ -17,7 +17,7 @@ const EM: f64 = 12.5;
 const PADDING: f64 = 3.0;
 const DISTANCE: f64 = 5.0;
 /// The smallest badge.
-pub(super) const RADIUS: f64 = 9.0;
+const RADIUS: f64 = 9.0;
 /// Free room between two labels, and between a label and the frame.
 const GAP: f64 = 3.0;
 /// Rings of places tried around a point, and places in a ring.
@@ -96,7 +96,7 @@ pub(super) fn paint(canvas: &mut Canvas, plot: &Plot<'_>, labels: &[Label]) -> R
     }
     // Leaders and points below all badges.
     for (label, point, centre, _, _) in &settled {
-        if label.style != LabelStyle::Remark && point != centre {
+        if label.style != LabelStyle::Remark {
             for (colour, width) in [(PAPER, 3.0), (INK, 1.25)] {
                 canvas.polyline(&[*point, *centre], Stroke::solid(colour, width));
             }
@@ -121,7 +121,7 @@ fn remark(canvas: &mut Canvas, (x, y): (f64, f64), (half_width, half_height): (f
     text.paint(canvas, (x, y - text.height() / 2.0 + slack));
 }
 
-/// Centres in the order in which they are tried: on the point (badges) or beside it (remarks), then in rings around.
+/// Centres in the order in which they are tried: remarks close beside their point, then in rings around.
 fn candidates(
     (x, y): (f64, f64),
     (half_width, half_height): (f64, f64),
@@ -137,6 +137,5 @@ fn candidates(
     });
     let beside = [(far, -high), (-far, -high), (far, high), (-far, high), (far, 0.0), (-far, 0.0)];
     let beside = beside.into_iter().map(move |(right, down)| (x + right, y + down));
-    let first = if is_badge { Some((x, y)) } else { None };
-    first.into_iter().chain(beside.filter(move |_| !is_badge)).chain(rings)
+    beside.filter(move |_| !is_badge).chain(rings)
 }

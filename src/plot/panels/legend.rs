@@ -4,7 +4,7 @@ use super::super::PlotError;
 use super::super::canvas::{Canvas, Stroke};
 use super::super::palette::{INK, colour};
 use super::data::{bar_colour, line_stroke, point_colour, vertical_stroke};
-use super::labels::{RADIUS, badge, badge_radius};
+use super::labels::{badge, badge_radius};
 use super::layout::{LEADING, Paragraph, lettering};
 use super::{LabelStyle, Panel};
 
@@ -39,17 +39,14 @@ impl Legend {
     pub(super) fn new(panels: &[Panel], width: f64) -> Result<Self, PlotError> {
         let mut rows: Vec<Vec<_>> = Vec::new();
         let mut used = f64::INFINITY;
-        for mut entry in entries(panels)? {
-            let text = Paragraph::new(&entry.name, lettering(EM, false, INK), width - SAMPLE - SAMPLE_GAP)?;
+        for entry in entries(panels)? {
+            let sample = entry.badge_size().max(SAMPLE);
+            let text = Paragraph::new(&entry.name, lettering(EM, false, INK), width - sample - SAMPLE_GAP)?;
             let mut text_width: f64 = 0.0;
             for line in &text.lines {
                 text_width = text_width.max(super::super::font::width(line, EM, false)?);
             }
-            let entry_width = SAMPLE + SAMPLE_GAP + text_width;
-            // A wide badge would cover the text.
-            if let Some((_, radius, _)) = &mut entry.badge {
-                *radius = radius.min(SAMPLE / 2.0).max(RADIUS);
-            }
+            let entry_width = sample + SAMPLE_GAP + text_width;
             if used + ENTRY_GAP + entry_width > width {
                 rows.push(Vec::new());
                 used = -ENTRY_GAP;
@@ -75,7 +72,8 @@ impl Legend {
         for row in &self.rows {
             for (entry, text, start) in row {
                 let x = left + start;
-                let middle = top + EM * LEADING / 2.0;
+                let sample = entry.badge_size().max(SAMPLE);
+                let middle = top + EM * LEADING / 2.0 + raised(entry);
                 if let Some(index) = entry.bars {
                     let (from, to) = ((x + SAMPLE / 4.0, middle - BAR), (x + 0.75 * SAMPLE, middle + BAR));
                     canvas.rectangle(from, to, bar_colour(colour(index)));
@@ -87,17 +85,30 @@ impl Legend {
                     canvas.polyline(&[(x, middle), (x + SAMPLE, middle)], stroke);
                 }
                 if let Some((text, radius, strong)) = &entry.badge {
-                    badge(canvas, (x + SAMPLE / 2.0, middle), *radius, text, *strong);
+                    badge(canvas, (x + sample / 2.0, middle), *radius, text, *strong);
                 }
-                text.paint(canvas, (x + SAMPLE + SAMPLE_GAP, top));
+                text.paint(canvas, (x + sample + SAMPLE_GAP, top + raised(entry)));
             }
             top += row_height(row);
         }
     }
 }
 
+impl Entry {
+    /// Room that the badge takes in both directions; 0 if there is none.
+    fn badge_size(&self) -> f64 {
+        self.badge.as_ref().map_or(0.0, |(_, radius, _)| 2.0 * radius + 3.0)
+    }
+}
+
+/// How much lower the text stands so that a badge higher than a line has room above.
+fn raised(entry: &Entry) -> f64 {
+    ((entry.badge_size() - EM * LEADING) / 2.0).max(0.0)
+}
+
 fn row_height(row: &[(Entry, Paragraph, f64)]) -> f64 {
-    row.iter().map(|(_, text, _)| text.height()).fold(0.0, f64::max) + ROW_GAP
+    let height = |(entry, text, _): &(Entry, Paragraph, f64)| (text.height() + raised(entry)).max(entry.badge_size());
+    row.iter().map(height).fold(0.0, f64::max) + ROW_GAP
 }
 
 fn entries(panels: &[Panel]) -> Result<Vec<Entry>, PlotError> {

@@ -91,9 +91,9 @@ pub enum LabelStyle {
     /// A remark beside the point, on white.
     #[default]
     Remark,
-    /// A white badge on the point, for a number; beside it with a leader if the point is not free.
+    /// A dot at the point, and a white badge beside it with a leader, for a number.
     Badge,
-    /// A dark badge, for the most important one.
+    /// The same with a dark badge, for the most important one.
     StrongBadge,
 }
 
@@ -107,7 +107,7 @@ pub struct Label {
     pub x: f64,
     /// Ordinate of the point.
     pub y: f64,
-    /// What is written.
+    /// What is written; in a badge at most 3 characters.
     pub text: String,
     /// How it looks.
     pub style: LabelStyle,

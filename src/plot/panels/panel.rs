@@ -22,6 +22,11 @@ const TITLE_GAP: f64 = 8.0;
 const BETWEEN_LABELS: f64 = 26.0;
 /// Ticks of the y axis are at least this far apart.
 const BETWEEN_TICKS: f64 = 42.0;
+/// Plots smaller than this have their ticks closer together, or too few would be left to read a value.
+const SMALL_PLOT: f64 = 200.0;
+const CLOSER: f64 = 0.6;
+/// A power of ten that leaves less than this part of the width for the name of the axis stands above it.
+const ENOUGH_FOR_NAME: f64 = 0.75;
 /// Height of digits and capitals, in ems.
 pub(super) const CAPITALS: f64 = 0.73;
 const MOST_TICKS: usize = 9;
@@ -49,6 +54,8 @@ pub(super) struct Measured<'a> {
     axes: Option<(Axis, Axis)>,
     y_tick_width: f64,
     colour_bar: Option<ColourBar>,
+    /// How far the name of the x axis stands lower, to leave room for the power of ten.
+    lowered: f64,
 }
 
 impl<'a> Measured<'a> {
@@ -73,6 +80,7 @@ impl<'a> Measured<'a> {
             axes: None,
             y_tick_width,
             colour_bar,
+            lowered: 0.0,
         })
     }
 
@@ -84,7 +92,7 @@ impl<'a> Measured<'a> {
         let mut factor_width = 0.0;
         if let Some((x, (low, high))) = self.ranges {
             let width = |label: &str| font::width(label, TICK_EM, false);
-            let mut x_axis = Axis::fitting(x, plot_width, BETWEEN_LABELS, MOST_TICKS, width)?;
+            let mut x_axis = Axis::fitting(x, plot_width, spaced(BETWEEN_LABELS, plot_width), MOST_TICKS, width)?;
             let mut y_axis = Axis::new(low, high, y_intervals(plot_height));
             if self.panel.bare_x {
                 bare(&mut x_axis);
@@ -103,7 +111,12 @@ impl<'a> Measured<'a> {
         }
         self.title = Paragraph::new(&self.panel.title, self.title.lettering, plot_width)?;
         let centred = Lettering { anchor: Anchor::Middle, ..self.x_label.lettering };
-        self.x_label = Paragraph::new(&self.panel.x_label, centred, plot_width - 2.0 * factor_width)?;
+        let mut limit = plot_width - 2.0 * factor_width;
+        if limit < ENOUGH_FOR_NAME * plot_width {
+            limit = plot_width;
+            self.lowered = TICK_EM * LEADING;
+        }
+        self.x_label = Paragraph::new(&self.panel.x_label, centred, limit)?;
         Ok(())
     }
 
@@ -130,7 +143,7 @@ impl<'a> Measured<'a> {
     pub(super) fn footer(&self) -> f64 {
         let factor = self.axes.as_ref().is_some_and(|(x, _)| !x.factor.is_empty());
         let factor_height = if factor { TICK_EM * LEADING } else { 0.0 };
-        self.footer_of_ticks() + self.x_label.height().max(factor_height)
+        self.footer_of_ticks() + (self.lowered + self.x_label.height()).max(factor_height)
     }
 
     fn footer_of_ticks(&self) -> f64 {
@@ -166,7 +179,7 @@ impl<'a> Measured<'a> {
             bar.paint(canvas, place, TITLE_GAP);
         }
         self.title.paint(canvas, (left, top - self.header()));
-        self.x_label.paint(canvas, (across, under_ticks));
+        self.x_label.paint(canvas, (across, under_ticks + self.lowered));
         self.y_label.paint(canvas, (label_left, down));
         match &self.axes {
             Some((x, y)) => labels::paint(canvas, &Plot { place, x, y }, &self.panel.labels),
@@ -181,9 +194,14 @@ fn bare(axis: &mut Axis) {
     axis.ticks.iter_mut().for_each(|Tick { label, .. }| label.clear());
 }
 
+/// The distance of ticks in a plot with the given side.
+fn spaced(distance: f64, side: f64) -> f64 {
+    if side < SMALL_PLOT { CLOSER * distance } else { distance }
+}
+
 fn y_intervals(plot_height: f64) -> usize {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "plot heights are small constants")]
-    let intervals = (plot_height / BETWEEN_TICKS) as usize;
+    let intervals = (plot_height / spaced(BETWEEN_TICKS, plot_height)) as usize;
     intervals
 }
 

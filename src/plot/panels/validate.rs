@@ -3,10 +3,12 @@
 use super::super::PlotError;
 use super::super::canvas::LARGEST_SIDE;
 use super::axis::is_drawable;
-use super::{BarSeries, ColourScale, Figure, HeatMap, Panel};
+use super::{BarSeries, ColourScale, Figure, HeatMap, Label, LabelStyle, Panel};
 
 /// The shortest side of a plot, in picture units: two tick labels and the air between them.
 const SHORTEST_SIDE: f64 = 60.0;
+/// A longer text would need a badge that covers the chart.
+const BADGE_LENGTH: usize = 3;
 
 /// Checks the figure against the descriptions of its fields.
 pub(super) fn validate(figure: &Figure) -> Result<(), PlotError> {
@@ -48,6 +50,11 @@ fn panel(panel: &Panel) -> Result<(), PlotError> {
             let (panel, series) = (panel.title.clone(), line.name.clone());
             return Err(PlotError::LineWidth { panel, series, width: line.width });
         }
+    }
+    let long = |label: &&Label| label.style != LabelStyle::Remark && label.text.chars().count() > BADGE_LENGTH;
+    if let Some(label) = panel.labels.iter().find(long) {
+        let (panel, text) = (panel.title.clone(), label.text.clone());
+        return Err(PlotError::BadgeLength { panel, text, most: BADGE_LENGTH });
     }
     panel.bars.iter().try_for_each(|series| bars(&panel.title, series))?;
     panel.heat.iter().try_for_each(|map| heat(&panel.title, map))
