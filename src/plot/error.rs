@@ -54,6 +54,102 @@ pub enum PlotError {
         /// The requested width, in picture units.
         width: f64,
     },
+    /// The plots of a figure would be too small to read or too large to draw.
+    #[error("figure `{figure}`: plots of {width} x {height}; both sides must be from {shortest} to {longest}")]
+    PlotSize {
+        /// Title of the figure.
+        figure: String,
+        /// Requested width, in picture units.
+        width: f64,
+        /// Requested height, in picture units.
+        height: f64,
+        /// The shortest allowed side.
+        shortest: f64,
+        /// The longest allowed side.
+        longest: f64,
+    },
+    /// The edges of bars or cells do not enclose any, or not in order.
+    #[error("panel `{panel}`, `{series}`: the {found} edges must be at least 2, finite and ascending")]
+    Edges {
+        /// Title of the panel.
+        panel: String,
+        /// Name of the bars, or label of the heat map.
+        series: String,
+        /// Number of edges.
+        found: usize,
+    },
+    /// There is not one value for each bar or cell.
+    #[error("panel `{panel}`, `{series}`: the edges enclose {cells} cells, but there are {found} values")]
+    CellCount {
+        /// Title of the panel.
+        panel: String,
+        /// Name of the bars, or label of the heat map.
+        series: String,
+        /// Number of cells between the edges.
+        cells: usize,
+        /// Number of values.
+        found: usize,
+    },
+    /// The range of the colours is none.
+    #[error("panel `{panel}`, `{series}`: colours from {low} to {high}; they must rise, a logarithmic scale above 0")]
+    ColourRange {
+        /// Title of the panel.
+        panel: String,
+        /// Label of the heat map.
+        series: String,
+        /// Value of the first colour.
+        low: f64,
+        /// Value of the last colour.
+        high: f64,
+    },
+    /// The text of a badge is too long for it.
+    #[error("panel `{panel}`: the badge `{text}` has more than {most} characters; put the rest into its name")]
+    BadgeLength {
+        /// Title of the panel.
+        panel: String,
+        /// The text.
+        text: String,
+        /// The largest number of characters.
+        most: usize,
+    },
+    /// A chart has too few or too many of something.
+    #[error("{chart} chart: {found} {what}, where {least} to {most} can be drawn")]
+    Count {
+        /// Kind of the chart.
+        chart: &'static str,
+        /// What was counted.
+        what: String,
+        /// The smallest number that can be drawn.
+        least: usize,
+        /// The largest number that can be drawn.
+        most: usize,
+        /// The given number.
+        found: usize,
+    },
+    /// Lists that belong together differ in length.
+    #[error("{chart} chart: {found} values of {what}, but {expected} are needed")]
+    Unequal {
+        /// Kind of the chart.
+        chart: &'static str,
+        /// What has another length.
+        what: String,
+        /// The length of the others.
+        expected: usize,
+        /// Its own length.
+        found: usize,
+    },
+    /// A number cannot be drawn, or is outside the range that its field allows.
+    #[error("{chart} chart: value {index} of {what} is {value}, which cannot be drawn")]
+    Unusable {
+        /// Kind of the chart.
+        chart: &'static str,
+        /// Whose value it is.
+        what: String,
+        /// Its place, counted from 0.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
     /// The picture has no area, or more than can be drawn.
     #[error("a picture of {width} x {height} cannot be drawn: both sides must be at least 1 and at most {largest}")]
     PictureSize {

@@ -79,7 +79,7 @@ fn figure(data: &Dataset, fit: &Fit, title: &str, values: &str, panel: fn(&View<
         };
         Panel { title: heading(data, slice), x_label: slice.along.label().to_owned(), ..panel(&view) }
     });
-    Figure { title: title.to_owned(), subtitle, panels: panels.collect(), columns: None }
+    Figure { title: title.to_owned(), subtitle, panels: panels.collect(), ..Figure::default() }
 }
 
 fn curve_panel(view: &View<'_>) -> Panel {

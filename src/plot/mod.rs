@@ -1,22 +1,33 @@
 //! Charts as SVG and PNG, drawn with an embedded font: the same picture on every machine, no system fonts.
 //!
 //! - [`panels`]: small multiples of measured points and model lines, which is what nearly every chart is.
-//! - [`fit`]: the charts of a fit, made of these.
+//! - [`fit`]: the charts of a fit, made of these; [`corner`], [`trace`], [`profile`] and [`atlas`]: those of what it
+//!   leaves open, from plain lists.
 //! - [`canvas`]: the sheet below them, for a chart that is not a grid of panels.
 //! - [`font`]: the embedded font and what it can write; [`palette`]: colours that colour-blind readers can tell apart.
 //!
 //! Nothing here writes files or reads the clock: a chart is a value ([`Picture`]), and equal input gives equal bytes.
 
+pub mod atlas;
 pub mod canvas;
+mod check;
+mod contour;
+pub mod corner;
 mod error;
 pub mod fit;
 pub mod font;
+mod histogram;
 pub mod palette;
 pub mod panels;
+pub mod profile;
 mod raster;
 mod slices;
+pub mod trace;
 mod vector;
 
 pub use canvas::{Picture, picture};
 pub use error::PlotError;
-pub use panels::{Figure, LineSeries, Panel, PointSeries, draw};
+pub use panels::{
+    BarSeries, ColourMap, ColourScale, Figure, HeatMap, Label, LabelStyle, LineSeries, Panel, PointSeries,
+    VerticalLine, draw,
+};

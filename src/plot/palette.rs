@@ -18,6 +18,30 @@ pub const OKABE_ITO: [RGBColor; 8] = [
     RGBColor(240, 228, 66),  // yellow
 ];
 
+/// Viridis at 17 equal steps; between them the colours are mixed in sRGB, at most 6 of 255 in a channel from the full table.
+///
+/// # Source
+/// Smith and van der Walt, *A better default colormap for Matplotlib* (SciPy 2015), the table of matplotlib, CC0.
+pub const VIRIDIS: [RGBColor; 17] = [
+    RGBColor(68, 1, 84),
+    RGBColor(72, 24, 106),
+    RGBColor(71, 45, 123),
+    RGBColor(66, 64, 134),
+    RGBColor(59, 82, 139),
+    RGBColor(51, 99, 141),
+    RGBColor(44, 114, 142),
+    RGBColor(38, 129, 142),
+    RGBColor(33, 144, 140),
+    RGBColor(31, 159, 136),
+    RGBColor(40, 174, 128),
+    RGBColor(62, 188, 116),
+    RGBColor(93, 201, 99),
+    RGBColor(130, 211, 76),
+    RGBColor(171, 220, 50),
+    RGBColor(213, 226, 26),
+    RGBColor(253, 231, 37),
+];
+
 /// Text and axes.
 pub const INK: RGBColor = RGBColor(34, 34, 34);
 /// Text of second rank: subtitle, tick labels, remarks.
@@ -56,4 +80,27 @@ pub fn tint(colour: RGBColor, share: f64) -> RGBColor {
         byte
     };
     RGBColor(thin(colour.0), thin(colour.1), thin(colour.2))
+}
+
+/// The colour of a share of the way through [`VIRIDIS`]; outside `[0, 1]` the nearest end, not a number is the low end.
+///
+/// ```
+/// use morpho_fit::plot::palette::{VIRIDIS, viridis};
+/// assert_eq!((viridis(0.0), viridis(0.5), viridis(7.0)), (VIRIDIS[0], VIRIDIS[8], VIRIDIS[16]));
+/// ```
+#[must_use]
+pub fn viridis(share: f64) -> RGBColor {
+    let steps = VIRIDIS.len() - 1;
+    let place = share.clamp(0.0, 1.0) * steps as f64;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in 0..=16; not a number becomes 0")]
+    let index = (place as usize).min(steps - 1);
+    let part = if place.is_finite() { place - index as f64 } else { 0.0 };
+    let mixed = |from: u8, to: u8| {
+        let value = (1.0 - part) * f64::from(from) + part * f64::from(to);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between two bytes")]
+        let byte = value.round() as u8;
+        byte
+    };
+    let (low, high) = (VIRIDIS[index], VIRIDIS[index + 1]);
+    RGBColor(mixed(low.0, high.0), mixed(low.1, high.1), mixed(low.2, high.2))
 }

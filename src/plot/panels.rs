@@ -1,14 +1,24 @@
-//! Small multiples: a grid of panels with measured points and model lines, one title, one legend.
+//! Small multiples: a grid of panels with points, lines, bars, heat maps and labels, one title, one legend.
 //!
 //! The size follows from the number of panels and the length of the texts; long texts are wrapped, never cut.
 
 mod axis;
+mod colours;
 mod data;
+mod heat;
+mod labels;
 mod layout;
 mod legend;
+#[cfg(test)]
+mod mark_tests;
+mod marks;
 mod panel;
 #[cfg(test)]
 mod tests;
+mod validate;
+
+pub(super) use axis::factor;
+pub use marks::{BarSeries, ColourMap, ColourScale, HeatMap, Label, LabelStyle, VerticalLine};
 
 use super::PlotError;
 use super::canvas::{Picture, picture};
@@ -24,6 +34,9 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Panels in a row; none to have it chosen from their number.
     pub columns: Option<usize>,
+    /// Width and height of each plot without its labels, in picture units, each at least 60; the panels then stand
+    /// close together. None to have it chosen.
+    pub plot_size: Option<(f64, f64)>,
 }
 
 /// One pair of axes with what is drawn in it.
@@ -47,6 +60,20 @@ pub struct Panel {
     pub horizontal_lines: Vec<f64>,
     /// Lower and upper ends of shaded bands across the panel, such as plus and minus two sigma.
     pub bands: Vec<(f64, f64)>,
+    /// Values on a grid, as colours, behind everything else; there is no other grid then.
+    pub heat: Option<HeatMap>,
+    /// Histograms, behind points and lines.
+    pub bars: Vec<BarSeries>,
+    /// Lines from the bottom to the top, such as the ends of an interval.
+    pub vertical_lines: Vec<VerticalLine>,
+    /// Texts at points, above everything else.
+    pub labels: Vec<Label>,
+    /// Leave the numbers at the ticks of x away, as between panels that share an axis.
+    pub bare_x: bool,
+    /// Leave the numbers at the ticks of y away.
+    pub bare_y: bool,
+    /// Leave the place of the panel empty.
+    pub blank: bool,
 }
 
 /// Points, with error bars if `sigma` is given. A point with a value that is not finite is left out.
@@ -129,48 +156,12 @@ impl Default for LineSeries {
 /// ```
 ///
 /// # Errors
-/// [`PlotError::NoPanels`], [`PlotError::NoColumns`], [`PlotError::LengthMismatch`], [`PlotError::ReversedRange`] or
-/// [`PlotError::LineWidth`] if the figure contradicts the descriptions of its fields; [`PlotError::PictureSize`] if it
-/// has too many panels or too long texts for one picture; the errors of [`picture`].
+/// [`PlotError::NoPanels`], [`PlotError::NoColumns`], [`PlotError::PlotSize`], [`PlotError::LengthMismatch`],
+/// [`PlotError::ReversedRange`], [`PlotError::LineWidth`], [`PlotError::Edges`], [`PlotError::CellCount`],
+/// [`PlotError::ColourRange`] or [`PlotError::BadgeLength`] if the figure contradicts the descriptions of its fields; [`PlotError::PictureSize`] if
+/// it has too many panels or too long texts for one picture; the errors of [`picture`].
 pub fn draw(figure: &Figure) -> Result<Picture, PlotError> {
-    validate(figure)?;
+    validate::validate(figure)?;
     let layout = layout::Layout::of(figure)?;
     picture(layout.width, layout.height, |canvas| layout.paint(canvas))
-}
-
-fn validate(figure: &Figure) -> Result<(), PlotError> {
-    if figure.panels.is_empty() {
-        return Err(PlotError::NoPanels { figure: figure.title.clone() });
-    }
-    if figure.columns == Some(0) {
-        return Err(PlotError::NoColumns { figure: figure.title.clone() });
-    }
-    figure.panels.iter().try_for_each(validate_panel)
-}
-
-fn validate_panel(panel: &Panel) -> Result<(), PlotError> {
-    for (axis, range) in [("x", panel.x_range), ("y", panel.y_range)] {
-        if let Some((low, high)) = range.filter(|(low, high)| low.is_finite() && high.is_finite() && low > high) {
-            return Err(PlotError::ReversedRange { panel: panel.title.clone(), axis, low, high });
-        }
-    }
-    let paired = |series: &str, what, x: usize, found: usize| {
-        let mismatch =
-            PlotError::LengthMismatch { panel: panel.title.clone(), series: series.to_owned(), what, x, found };
-        if x == found { Ok(()) } else { Err(mismatch) }
-    };
-    for points in &panel.points {
-        paired(&points.name, "y", points.x.len(), points.y.len())?;
-        if let Some(sigma) = &points.sigma {
-            paired(&points.name, "sigma", points.x.len(), sigma.len())?;
-        }
-    }
-    for line in &panel.lines {
-        paired(&line.name, "y", line.x.len(), line.y.len())?;
-        if !(line.width.is_finite() && line.width > 0.0) {
-            let (panel, series) = (panel.title.clone(), line.name.clone());
-            return Err(PlotError::LineWidth { panel, series, width: line.width });
-        }
-    }
-    Ok(())
 }

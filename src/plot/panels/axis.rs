@@ -114,6 +114,40 @@ impl Axis {
     }
 }
 
+/// Ticks of a logarithmic axis from `low` to `high`, both positive: powers of ten, all or every so many; where there are
+/// fewer than two of them, also twice and five times a power, or else tidy numbers.
+pub(super) fn ratio_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    let span = high.log10() - low.log10();
+    let place = |value: f64| (value.log10() - low.log10()) / span;
+    let (first, last) = (whole((low.log10() - 1e-9).ceil()), whole((high.log10() + 1e-9).floor()));
+    let stride = usize::try_from(last - first).unwrap_or(0) / most.max(1) + 1;
+    let name = |mantissa: i64, power: i64| match power {
+        -3..=3 => decimal(mantissa * 10_i64.pow(u32::try_from(power.max(0)).unwrap_or(0)), (-power).max(0)),
+        _ if mantissa == 1 => factor(power).trim_start_matches('×').to_owned(),
+        _ => format!("{mantissa}{}", factor(power)),
+    };
+    let tick = |(mantissa, power): (i64, i64)| {
+        let value = mantissa as f64 * 10f64.powi(i32::try_from(power).unwrap_or(0));
+        Tick { place: place(value), label: name(mantissa, power) }
+    };
+    let inside = |tick: &Tick| (-1e-9..=1.0 + 1e-9).contains(&tick.place);
+    let mut ticks: Vec<Tick> =
+        (first..=last).step_by(stride).map(|power| tick((1, power))).filter(|tick| inside(tick)).collect();
+    if ticks.len() < 2 {
+        let fine = (first - 1..=last).flat_map(|power| [1, 2, 5].map(|mantissa| (mantissa, power)));
+        ticks = fine.map(tick).filter(inside).collect();
+    }
+    if ticks.len() < 2 {
+        let value = |tick: &Tick| low + tick.place * (high - low);
+        ticks = Axis::new(low, high, 2).ticks;
+        ticks = ticks.into_iter().map(|tick| Tick { place: place(value(&tick)), ..tick }).collect();
+    }
+    for tick in &mut ticks {
+        tick.place = tick.place.clamp(0.0, 1.0);
+    }
+    ticks
+}
+
 /// A step of `mantissa` times ten to the `exponent`.
 struct Step {
     mantissa: i64,
@@ -136,7 +170,7 @@ impl Step {
 }
 
 /// `×10ⁿ`, or nothing for n = 0.
-fn factor(power: i64) -> String {
+pub(in crate::plot) fn factor(power: i64) -> String {
     if power == 0 {
         return String::new();
     }
@@ -222,6 +256,19 @@ mod tests {
         let narrow = Axis::fitting((300.0, 700.0), 100.0, 10.0, 8, width).unwrap();
         let wide = Axis::fitting((300.0, 700.0), 500.0, 10.0, 8, width).unwrap();
         assert_eq!((narrow.ticks.len(), wide.ticks.len()), (2, 9));
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_powers_of_ten() {
+        let labels = |low, high, most| -> Vec<String> {
+            ratio_ticks(low, high, most).into_iter().map(|tick| tick.label).collect()
+        };
+        assert_eq!(labels(0.1, 1e4, 8), ["0.1", "1", "10", "100", "1000", "10⁴"]);
+        assert_eq!(labels(1e-300, 1e300, 3), ["10⁻³⁰⁰", "10⁻⁹⁹", "10¹⁰²"]);
+        assert_eq!(labels(15.0, 90.0, 8), ["20", "50"]);
+        assert_eq!(labels(1.1, 1.9, 8), ["1.5"]);
+        let place = ratio_ticks(1.0, 100.0, 8)[1].place;
+        assert!((place - 0.5).abs() < 1e-12, "ten is half way");
     }
 
     proptest! {

@@ -5,8 +5,9 @@ use plotters::style::RGBColor;
 use super::super::canvas::{Canvas, Stroke};
 use super::super::palette::{BAND, GRID, SOFT_INK, colour, tint};
 use super::axis::{Axis, is_drawable, range_of, widened};
+use super::heat;
 use super::panel::Place;
-use super::{LineSeries, Panel, PointSeries};
+use super::{BarSeries, LineSeries, Panel, PointSeries, VerticalLine};
 
 /// Air around the data, as parts of their range.
 const AIR_X: f64 = 0.03;
@@ -21,13 +22,19 @@ pub(super) fn point_colour(colour: RGBColor) -> RGBColor {
     tint(colour, 0.6)
 }
 
-fn bar_colour(colour: RGBColor) -> RGBColor {
+/// Error bars and the bars of histograms.
+pub(super) fn bar_colour(colour: RGBColor) -> RGBColor {
     tint(colour, 0.5)
 }
 
 /// How a line series is drawn, in its panel and in the legend.
 pub(super) fn line_stroke(line: &LineSeries) -> Stroke {
     Stroke { colour: colour(line.colour), width: line.width, dashes: line.dashed.then_some(DASHES) }
+}
+
+/// How an upright line is drawn.
+pub(super) fn vertical_stroke(line: &VerticalLine) -> Stroke {
+    Stroke { colour: colour(line.colour), width: 1.4, dashes: line.dashed.then_some(DASHES) }
 }
 
 /// Points of a crowded panel are drawn smaller.
@@ -62,12 +69,34 @@ pub(super) fn ranges(panel: &Panel) -> Option<((f64, f64), (f64, f64))> {
     for series in &panel.lines {
         drawable.extend(vertices(&series.x, &series.y).map(|(x, y)| (x, y, 0.0)));
     }
+    for bars in &panel.bars {
+        for (ends, &height) in bars.edges.windows(2).zip(&bars.heights) {
+            drawable.extend(ends.iter().flat_map(|&x| [(x, height, 0.0), (x, 0.0, 0.0)]));
+        }
+    }
+    drawable.extend(panel.labels.iter().map(|label| (label.x, label.y, 0.0)));
+    let heat = panel.heat.as_ref().and_then(|heat| {
+        drawable.extend(heat.x_edges.iter().zip(&heat.y_edges).map(|(&x, &y)| (x, y, 0.0)));
+        Some((range_of(heat.x_edges.iter().copied(), 0.0)?, range_of(heat.y_edges.iter().copied(), 0.0)?))
+    });
     drawable.retain(|&(x, y, _)| is_drawable(x) && is_drawable(y));
-    let x = requested(panel.x_range).or_else(|| range_of(drawable.iter().map(|&(x, _, _)| x), AIR_X))?;
+    let upright = panel.vertical_lines.iter().map(|line| line.x);
+    let x = requested(panel.x_range)
+        .or(heat.map(|(x, _)| x))
+        .or_else(|| range_of(drawable.iter().map(|&(x, _, _)| x).chain(upright), AIR_X))?;
     let shown = |&&(value, _, _): &&(f64, f64, f64)| (x.0..=x.1).contains(&value);
     let heights = drawable.iter().filter(shown).flat_map(|&(_, y, sigma)| [y - sigma, y, y + sigma]);
     let marks = panel.horizontal_lines.iter().copied().chain(panel.bands.iter().flat_map(|&(low, high)| [low, high]));
-    let y = requested(panel.y_range).or_else(|| range_of(heights.chain(marks), AIR_Y)).unwrap_or((0.0, 1.0));
+    let heights: Vec<f64> = heights.chain(marks).collect();
+    let mut y = requested(panel.y_range)
+        .or(heat.map(|(_, y)| y))
+        .or_else(|| range_of(heights.iter().copied(), AIR_Y))
+        .unwrap_or((0.0, 1.0));
+    // Bars stand on the axis, without air below.
+    let standing = !panel.bars.is_empty() && !heights.iter().any(|&height| height < 0.0);
+    if standing && requested(panel.y_range).is_none() && y.1 > 0.0 {
+        y.0 = y.0.max(0.0);
+    }
     (!drawable.is_empty()).then_some((x, y))
 }
 
@@ -84,21 +113,19 @@ pub(super) struct Plot<'a> {
 }
 
 impl Plot<'_> {
-    /// Draws, from back to front: bands, grid, levels, error bars, points, lines.
+    /// Draws, from back to front: bands, grid or heat map, bars, levels, error bars, points, lines, upright lines.
     pub(super) fn paint(&self, canvas: &mut Canvas, panel: &Panel) {
         let Place { left, right, top, bottom, .. } = self.place;
         for &(low, high) in panel.bands.iter().filter(|(low, high)| is_drawable(*low) && is_drawable(*high)) {
             let (low, high) = (self.up(low).clamp(top, bottom), self.up(high).clamp(top, bottom));
             canvas.rectangle((left, low), (right, high), BAND);
         }
-        for tick in &self.x.ticks {
-            let at = left + tick.place * (right - left);
-            canvas.polyline(&[(at, top), (at, bottom)], Stroke::solid(GRID, 1.0));
+        if let Some(heat) = &panel.heat {
+            heat::paint(canvas, self, heat);
+        } else {
+            self.grid(canvas);
         }
-        for tick in &self.y.ticks {
-            let at = bottom - tick.place * (bottom - top);
-            canvas.polyline(&[(left, at), (right, at)], Stroke::solid(GRID, 1.0));
-        }
+        panel.bars.iter().for_each(|series| self.columns(canvas, series));
         for &level in panel.horizontal_lines.iter().filter(|&&level| self.y.contains(level)) {
             canvas.polyline(&[(left, self.up(level)), (right, self.up(level))], LEVEL);
         }
@@ -111,17 +138,47 @@ impl Plot<'_> {
             }
         }
         panel.lines.iter().for_each(|series| self.line(canvas, series));
+        for line in panel.vertical_lines.iter().filter(|line| self.x.contains(line.x)) {
+            let x = self.across(line.x);
+            canvas.polyline(&[(x, bottom), (x, top)], vertical_stroke(line));
+        }
     }
 
-    fn across(&self, x: f64) -> f64 {
+    fn grid(&self, canvas: &mut Canvas) {
+        let Place { left, right, top, bottom, .. } = self.place;
+        for tick in &self.x.ticks {
+            let at = left + tick.place * (right - left);
+            canvas.polyline(&[(at, top), (at, bottom)], Stroke::solid(GRID, 1.0));
+        }
+        for tick in &self.y.ticks {
+            let at = bottom - tick.place * (bottom - top);
+            canvas.polyline(&[(left, at), (right, at)], Stroke::solid(GRID, 1.0));
+        }
+    }
+
+    /// Draws the bars of a histogram, cut off at the frame.
+    fn columns(&self, canvas: &mut Canvas, series: &BarSeries) {
+        let Place { left, right, top, bottom, .. } = self.place;
+        let filling = bar_colour(colour(series.colour));
+        for (ends, &height) in series.edges.windows(2).zip(&series.heights) {
+            let &[from, to] = ends else { continue };
+            let (from, to) = (self.across(from).clamp(left, right), self.across(to).clamp(left, right));
+            let (foot, head) = (self.up(0.0).clamp(top, bottom), self.up(height).clamp(top, bottom));
+            if is_drawable(height) && (foot - head).abs() > 0.0 && to > from {
+                canvas.rectangle((from, foot), (to, head), filling);
+            }
+        }
+    }
+
+    pub(super) fn across(&self, x: f64) -> f64 {
         self.place.left + self.x.place(x) * (self.place.right - self.place.left)
     }
 
-    fn up(&self, y: f64) -> f64 {
+    pub(super) fn up(&self, y: f64) -> f64 {
         self.place.bottom - self.y.place(y) * (self.place.bottom - self.place.top)
     }
 
-    fn at(&self, x: f64, y: f64) -> (f64, f64) {
+    pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (self.across(x), self.up(y))
     }
 

@@ -22,6 +22,8 @@ const RIGHT: f64 = 22.0;
 const MARGIN: f64 = 24.0;
 const COLUMN_GAP: f64 = 14.0;
 const ROW_GAP: f64 = 24.0;
+/// The room between plots of a requested size, which stand closer.
+const CLOSE: f64 = 10.0;
 
 /// Distance of baselines, in ems.
 pub(super) const LEADING: f64 = 1.35;
@@ -73,7 +75,9 @@ impl<'a> Layout<'a> {
     pub(super) fn of(figure: &'a Figure) -> Result<Self, PlotError> {
         let count = figure.panels.len();
         let columns = figure.columns.unwrap_or_else(|| usual_columns(count)).clamp(1, count.max(1));
-        let (panel_width, plot_height) = if count == 1 { SINGLE_PANEL } else { (PANEL_WIDTH, PLOT_HEIGHT) };
+        let (panel_width, usual_height) = if count == 1 { SINGLE_PANEL } else { (PANEL_WIDTH, PLOT_HEIGHT) };
+        let plot_height = figure.plot_size.map_or(usual_height, |(_, height)| height);
+        let (column_gap, row_gap) = if figure.plot_size.is_some() { (0.0, CLOSE) } else { (COLUMN_GAP, ROW_GAP) };
 
         let mut panels =
             figure.panels.iter().map(|panel| Measured::new(panel, plot_height)).collect::<Result<Vec<_>, _>>()?;
@@ -82,12 +86,15 @@ impl<'a> Layout<'a> {
         let mut width = MARGIN;
         for column in 0..columns {
             let labels = panels.iter().skip(column).step_by(columns).map(Measured::left).fold(0.0, f64::max);
+            let bars = panels.iter().skip(column).step_by(columns).map(Measured::right).fold(0.0, f64::max);
+            let room = RIGHT.max(bars + RIGHT / 2.0);
             let left = width + labels;
-            let right = left + (panel_width - labels - RIGHT).max(NARROWEST_PLOT);
+            let usual = (panel_width - labels - room).max(NARROWEST_PLOT);
+            let right = left + figure.plot_size.map_or(usual, |(width, _)| width);
             column_ends.push((width, left, right));
-            width = right + RIGHT + COLUMN_GAP;
+            width = right + room + column_gap;
         }
-        width += MARGIN - COLUMN_GAP - RIGHT / 2.0;
+        width += MARGIN - column_gap - RIGHT / 2.0;
 
         let text_width = width - 2.0 * MARGIN;
         let title = Paragraph::new(&figure.title, lettering(20.0, true, INK), text_width)?;
@@ -101,10 +108,12 @@ impl<'a> Layout<'a> {
         if top > MARGIN {
             top += 14.0;
         }
+        // Labels of neighbours must not meet, where no y labels keep them apart.
+        let overhang = if figure.plot_size.is_some() { CLOSE } else { RIGHT };
         let mut places = Vec::with_capacity(count);
         for row in panels.chunks_mut(columns) {
             for (panel, (_, left, right)) in row.iter_mut().zip(&column_ends) {
-                panel.fit_width(right - left, plot_height)?;
+                panel.fit_width(right - left, plot_height, overhang)?;
             }
             let plot_top = top + row.iter().map(Measured::header).fold(0.0, f64::max);
             let bottom = plot_top + plot_height;
@@ -115,9 +124,9 @@ impl<'a> Layout<'a> {
                 top: plot_top,
                 bottom,
             }));
-            top = bottom + row.iter().map(Measured::footer).fold(0.0, f64::max) + ROW_GAP;
+            top = bottom + row.iter().map(Measured::footer).fold(0.0, f64::max) + row_gap;
         }
-        let legend_top = top - ROW_GAP + if legend.is_empty() { 0.0 } else { 16.0 };
+        let legend_top = top - row_gap + if legend.is_empty() { 0.0 } else { 16.0 };
         let height = legend_top + legend.height() + MARGIN - 6.0;
         let panels = panels.into_iter().zip(places).collect();
         Ok(Self { width, height, title, subtitle, panels, legend, legend_top })
@@ -127,7 +136,7 @@ impl<'a> Layout<'a> {
         self.title.paint(canvas, (MARGIN, MARGIN));
         self.subtitle.paint(canvas, (MARGIN, MARGIN + self.title.height()));
         for (panel, place) in &self.panels {
-            panel.paint(canvas, *place);
+            panel.paint(canvas, *place)?;
         }
         self.legend.paint(canvas, (MARGIN, self.legend_top));
         Ok(())

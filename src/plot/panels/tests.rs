@@ -27,7 +27,7 @@ fn panel(title: &str) -> Panel {
 }
 
 fn figure(panels: Vec<Panel>) -> Figure {
-    Figure { title: "A figure".into(), subtitle: "with a subtitle".into(), panels, columns: None }
+    Figure { title: "A figure".into(), subtitle: "with a subtitle".into(), panels, ..Figure::default() }
 }
 
 fn one(panel: Panel) -> Figure {
@@ -35,8 +35,8 @@ fn one(panel: Panel) -> Figure {
 }
 
 /// The marks of a figure and its size.
-fn marks(figure: &Figure) -> (Vec<Mark>, f64, f64) {
-    validate(figure).unwrap();
+pub(super) fn marks(figure: &Figure) -> (Vec<Mark>, f64, f64) {
+    validate::validate(figure).unwrap();
     let layout = layout::Layout::of(figure).unwrap();
     let mut canvas = Canvas::default();
     layout.paint(&mut canvas).unwrap();
@@ -61,7 +61,7 @@ fn text_box(mark: &Mark) -> Option<(f64, f64, f64, f64)> {
 }
 
 /// No text leaves the sheet or touches another one.
-fn assert_texts_are_free(figure: &Figure) {
+pub(super) fn assert_texts_are_free(figure: &Figure) {
     let (marks, width, height) = marks(figure);
     let boxes: Vec<_> = marks.iter().filter_map(|mark| Some((mark, text_box(mark)?))).collect();
     for (i, (mark, a)) in boxes.iter().enumerate() {
