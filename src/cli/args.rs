@@ -44,6 +44,15 @@ pub(crate) enum Command {
     /// Fit a measurement; the word may be left out.
     #[command(after_help = EXIT_CODES, args_override_self = true)]
     Fit(FitArgs),
+    /// Fit, and find asymmetric intervals by profile likelihood: profile.csv, profile.svg.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Profile(FitArgs),
+    /// Fit, and find intervals by the bootstrap of residuals and of readings: bootstrap.csv.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Bootstrap(FitArgs),
+    /// Fit, and sample the posterior by Markov chain Monte Carlo: posterior.csv, corner.svg, trace.svg.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Sample(FitArgs),
     /// Validate a CSV file and tell what its design of measurement can identify, before fitting.
     #[command(args_override_self = true)]
     Check(CheckArgs),
@@ -56,6 +65,8 @@ pub(crate) enum Command {
 pub(crate) struct FitArgs {
     #[command(flatten)]
     pub(crate) problem: ProblemArgs,
+    #[command(flatten)]
+    pub(crate) uncertainty: UncertaintyArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -183,12 +194,46 @@ pub(crate) struct NuisanceArgs {
     /// Search from the start alone: quick, and blind to every other minimum.
     #[arg(long)]
     pub(crate) local: bool,
+    /// Another minimum fits as well if its chi² is above the best by at most this, in standard deviations squared.
+    #[arg(long, value_name = "DELTA_CHI2", default_value_t = 9.0, value_parser = values::not_negative, allow_negative_numbers = true)]
+    pub(crate) level: f64,
     /// Seed of the random starts that stand beside the grid.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     pub(crate) seed: u64,
     /// Number of threads; the result does not depend on it [default: one for each processor].
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Intervals beside the covariance's")]
+pub(crate) struct UncertaintyArgs {
+    /// Find intervals by these methods too, and say where they part: `profile`, `bootstrap`, `sample` or `all`.
+    #[arg(long, value_name = "WORDS", value_delimiter = ',')]
+    pub(crate) uncertainty: Vec<UncertaintyWord>,
+    /// Data sets that each bootstrap fits.
+    #[arg(long, value_name = "COUNT", default_value_t = 1000, value_parser = values::count)]
+    pub(crate) replicates: usize,
+    /// Effective samples of the posterior that are wanted for every parameter.
+    #[arg(long, value_name = "COUNT", default_value_t = 4000, value_parser = values::count)]
+    pub(crate) effective: usize,
+    /// Evaluations of the model after which sampling ends even if it has not converged.
+    #[arg(long, value_name = "COUNT", default_value_t = 400_000, value_parser = values::count)]
+    pub(crate) max_evaluations: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UncertaintyWord {
+    /// Curvature at the minimum, which every fit has.
+    Covariance,
+    /// Profile likelihood.
+    Profile,
+    /// Bootstrap of residuals, and of readings.
+    Bootstrap,
+    /// Markov chain Monte Carlo.
+    Sample,
+    /// All of them.
+    All,
 }
 
 #[derive(Debug, Args)]

@@ -16,7 +16,7 @@ mod scans;
 mod settings_file;
 mod values;
 
-use args::{Cli, Command};
+use args::{Cli, Command, UncertaintyWord};
 use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -32,8 +32,11 @@ fn main() -> ExitCode {
 fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
     let cli = settings_file::merged(cli, line)?;
     match cli.command {
-        None => commands::fit::run(&cli.fit),
-        Some(Command::Fit(args)) => commands::fit::run(&args),
+        None => commands::fit::run(&cli.fit, UncertaintyWord::Covariance),
+        Some(Command::Fit(args)) => commands::fit::run(&args, UncertaintyWord::Covariance),
+        Some(Command::Profile(args)) => commands::fit::run(&args, UncertaintyWord::Profile),
+        Some(Command::Bootstrap(args)) => commands::fit::run(&args, UncertaintyWord::Bootstrap),
+        Some(Command::Sample(args)) => commands::fit::run(&args, UncertaintyWord::Sample),
         Some(Command::Check(args)) => commands::check::run(&args),
         Some(Command::Simulate(args)) => commands::simulate::run(&args, line),
     }

@@ -50,7 +50,9 @@ impl Problem {
 /// A file that is not there may be a mistyped word.
 fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     let name = path.to_string_lossy();
-    match nearest(&name, &["fit", "check", "simulate", "help"]).filter(|_| !name.contains(['.', '/', '\\'])) {
+    match nearest(&name, &["fit", "profile", "bootstrap", "sample", "check", "simulate", "help"])
+        .filter(|_| !name.contains(['.', '/', '\\']))
+    {
         Some(word) => {
             Usage(format!("`{name}` is neither a file nor a command; did you mean `morpho-fit {word}`?")).into()
         }
@@ -119,13 +121,14 @@ fn threads(args: &NuisanceArgs) -> Result<()> {
 }
 
 fn settings(args: &ProblemArgs) -> Result<FitSettings> {
-    let NuisanceArgs { scale, background, weight, loss, local, seed, .. } = args.nuisances;
+    let NuisanceArgs { scale, background, weight, loss, local, level, seed, .. } = args.nuisances;
     let mut settings = FitSettings {
         model: model(&args.model)?,
         stack: stack(&args.model)?,
         nuisances: Nuisances { scale: scale.value(), weight, background: background.value() },
         loss: loss.value(),
         search: if local { Search::Local } else { Search::Global },
+        level,
         seed,
         required: args.parameters.require.clone(),
         ..FitSettings::default()

@@ -21,6 +21,9 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
     let (word, path) = match &cli.command {
         None => ("fit", &cli.fit.problem.settings),
         Some(Command::Fit(args)) => ("fit", &args.problem.settings),
+        Some(Command::Profile(args)) => ("profile", &args.problem.settings),
+        Some(Command::Bootstrap(args)) => ("bootstrap", &args.problem.settings),
+        Some(Command::Sample(args)) => ("sample", &args.problem.settings),
         Some(Command::Check(args)) => ("check", &args.problem.settings),
         Some(Command::Simulate(_)) => return Ok(cli),
     };

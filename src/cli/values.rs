@@ -62,6 +62,15 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| if value >= 0.0 { Ok(value) } else { Err(format!("{value} is below 0")) })
 }
 
+/// A whole number from 100 to 100 million.
+pub(crate) fn count(text: &str) -> Result<usize, String> {
+    match text.trim().parse::<usize>() {
+        Ok(value) if (100..=100_000_000).contains(&value) => Ok(value),
+        Ok(value) => Err(format!("{value} is not within 100 to 100000000")),
+        Err(_) => Err(format!("`{text}` is not a whole number")),
+    }
+}
+
 fn named(text: &str) -> Result<(Parameter, &str), String> {
     let (name, value) = text.split_once('=').ok_or("a parameter and a value are needed, such as d_air=141")?;
     Ok((parameter(name)?, value.trim()))

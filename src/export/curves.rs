@@ -56,7 +56,7 @@ pub fn curves_csv(data: &Dataset, fit: &Fit) -> Result<Vec<u8>, ExportError> {
 }
 
 /// The shortest text with the same bits; very small and very large numbers have an exponent.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if size > 0.0 && !(1e-5..1e15).contains(&size) { format!("{value:e}") } else { format!("{value}") }
 }

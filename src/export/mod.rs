@@ -1,10 +1,12 @@
-//! Results as bytes: `fit.json` and `curves.csv`. Nothing here opens a file.
+//! Results as bytes: `fit.json`, `curves.csv` and the samples behind intervals. Nothing here opens a file.
 
 mod curves;
 mod json;
+mod samples;
 
 pub use curves::curves_csv;
 pub use json::fit_json;
+pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
 
 /// A result that could not be turned into bytes.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +16,6 @@ pub enum ExportError {
     #[error("the result cannot be written as JSON")]
     Json(#[from] serde_json::Error),
     /// The CSV writer failed.
-    #[error("the curves cannot be written as CSV")]
+    #[error("the table cannot be written as CSV")]
     Csv(#[from] csv::Error),
 }

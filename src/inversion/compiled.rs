@@ -1,7 +1,9 @@
 //! Data and choices compiled once for all that is asked of them.
 
 use crate::dataset::Dataset;
+use crate::inversion::fit::FitError;
 use crate::inversion::nuisance::LinearPart;
+use crate::inversion::outcome::Fit;
 use crate::inversion::plan::Plan;
 use crate::inversion::settings::FitSettings;
 use crate::optics::{OpticsError, ReflectivityModel};
@@ -33,6 +35,27 @@ impl<'a> Compiled<'a> {
         limit: usize,
     ) -> Result<Self, OpticsError> {
         Ok(Self::of(data, settings, Plan::thinned(data, model, limit)?))
+    }
+
+    /// Compiles the data of a fit again.
+    ///
+    /// # Errors
+    /// [`FitError::OtherData`] if there are not as many readings as were fitted.
+    pub(crate) fn of_fit(data: &'a Dataset, fit: &'a Fit, model: &'a dyn ReflectivityModel) -> Result<Self, FitError> {
+        let (readings, fitted) = (data.readings().len(), fit.readings.len());
+        if readings != fitted {
+            return Err(FitError::OtherData { readings, fitted });
+        }
+        Ok(Self::new(data, &fit.outcome.settings, model)?)
+    }
+
+    /// The same design with other intensities, one for each reading.
+    pub(crate) fn with_intensities(&self, intensities: &[f64]) -> Self {
+        let mut plan = self.plan.clone();
+        for (reading, &intensity) in plan.readings.iter_mut().zip(intensities) {
+            reading.intensity = intensity;
+        }
+        Self { data: self.data, settings: self.settings, plan, linear: self.linear.clone() }
     }
 
     fn of(data: &'a Dataset, settings: &'a FitSettings, plan: Plan<'a>) -> Self {

@@ -2,25 +2,23 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
+use crate::inversion::intervals::Quantiles;
 use crate::inversion::nuisance::{Column, LinearPart, Multiplies};
 use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, SigmaSource, Status};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::plan::Plan;
 use crate::inversion::problem::{Evaluation, Problem};
+use crate::inversion::quantity::indices;
 use crate::inversion::settings::FitSettings;
 use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
 use crate::inversion::undetermined::Held;
-use crate::optics::ReflectivityModel;
 use crate::optimise::Minimum;
 use crate::uncertainty::covariance::{correlation, covariance};
-use crate::uncertainty::goodness::{NINETY_FIVE, ONE_SIGMA, student};
 use nalgebra::{DMatrix, DVector};
 
 /// A correlation beyond this is a status of its own.
 const CORRELATED: f64 = 0.99;
-/// Minima within this chi² of the best fit as well: three standard deviations of one parameter.
-const AS_GOOD: f64 = 9.0;
 /// A value at another minimum is another value if it lies off by more standard deviations than this, ...
 const ELSEWHERE: f64 = 3.0;
 /// ... and by more than this share of a change that matters.
@@ -36,7 +34,6 @@ pub(crate) struct Found<'a> {
     pub(crate) compiled: &'a Compiled<'a>,
     pub(crate) data: &'a Dataset,
     pub(crate) settings: &'a FitSettings,
-    pub(crate) model: &'a dyn ReflectivityModel,
     pub(crate) plan: &'a Plan<'a>,
     pub(crate) linear: &'a LinearPart,
     pub(crate) robust: &'a [f64],
@@ -52,12 +49,11 @@ pub(crate) struct Found<'a> {
 }
 
 impl<'a> Found<'a> {
-    pub(crate) fn new(compiled: &'a Compiled<'a>, model: &'a dyn ReflectivityModel, solution: &'a Solution) -> Self {
+    pub(crate) fn new(compiled: &'a Compiled<'a>, solution: &'a Solution) -> Self {
         Self {
             compiled,
             data: compiled.data,
             settings: compiled.settings,
-            model,
             plan: &compiled.plan,
             linear: &compiled.linear,
             robust: &solution.robust,
@@ -78,16 +74,15 @@ pub(crate) struct Uncertainty {
     /// Covariance of these, then of the nuisances in use; `None` if it does not exist.
     matrix: Option<DMatrix<f64>>,
     columns: Vec<usize>,
-    quantile_68: f64,
-    quantile_95: f64,
+    quantiles: Quantiles,
     /// Standard deviation of a weighted residual.
     unit: f64,
 }
 
 /// Minima that fit as well as the best, itself left out.
 pub(crate) fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = &'a Minimum> {
-    let best = found.minima[0].sum_of_squares();
-    found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best < AS_GOOD * unit * unit)
+    let (best, level) = (found.minima[0].sum_of_squares(), found.settings.level);
+    found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best <= level * unit * unit)
 }
 
 /// Marks an estimate as ambiguous if `quantity`, in its unit, is another at other minima that fit as well.
@@ -113,16 +108,8 @@ fn mark_ambiguous(
     }
 }
 
-/// Real indices of gap and cuticle at the middle wavelength of the data.
-fn indices(found: &Found<'_>) -> (f64, f64) {
-    let mut wavelengths: Vec<f64> = found.data.readings().iter().map(|reading| reading.wavelength).collect();
-    wavelengths.sort_by(f64::total_cmp);
-    let middle = wavelengths.get(wavelengths.len() / 2).copied().unwrap_or(550.0);
-    found.model.stack().media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
-}
-
 pub(crate) fn index_ratio(found: &Found<'_>) -> f64 {
-    let (gap, cuticle) = indices(found);
+    let (gap, cuticle) = indices(found.compiled);
     cuticle / gap
 }
 
@@ -148,13 +135,11 @@ impl Uncertainty {
         let full = if in_use.is_empty() { found.best.triangle.clone() } else { problem.full_jacobian(point) };
         let columns: Vec<usize> = moved.iter().copied().chain(free.len()..full.ncols()).collect();
         let matrix = covariance(&full.select_columns(&columns)).map(|matrix| matrix * (unit * unit));
-        let quantile = |z| if source == SigmaSource::Stated { z } else { student(z, dof) };
         Self {
             inner: moved.iter().map(|&j| free[j]).collect(),
             matrix,
             columns: in_use.to_vec(),
-            quantile_68: quantile(ONE_SIGMA),
-            quantile_95: quantile(NINETY_FIVE),
+            quantiles: Quantiles::new(source, dof),
             unit,
         }
     }
@@ -249,8 +234,8 @@ impl Uncertainty {
             let (low, high) = (value - quantile * sigma, value + quantile * sigma);
             [(low > bounds[0]).then_some(low), (high < bounds[1]).then_some(high)]
         };
-        estimate.interval_68 = Some(interval(self.quantile_68));
-        let wide = interval(self.quantile_95);
+        estimate.interval_68 = Some(interval(self.quantiles.sixty_eight));
+        let wide = interval(self.quantiles.ninety_five);
         estimate.interval_95 = Some(wide);
         if estimate.status == Status::Ok && wide == [None, None] {
             estimate.withdraw();
@@ -260,7 +245,7 @@ impl Uncertainty {
     }
 
     pub(crate) fn derived(&self, found: &Found<'_>, point: &Evaluation) -> Derived {
-        let (gap, cuticle) = indices(found);
+        let (gap, cuticle) = indices(found.compiled);
         let of = |gradient: [f64; COUNT]| {
             let value: f64 = gradient.iter().zip(&point.values).map(|(g, value)| g * value).sum();
             let mut estimate = Estimate::new(value, "nm");

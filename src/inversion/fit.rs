@@ -13,6 +13,7 @@ use crate::inversion::summary::{Summary, summarise};
 use crate::inversion::undetermined::{apart_beyond, hold_undetermined};
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
+use crate::uncertainty::posterior::SamplerError;
 use nalgebra::DVector;
 
 /// A fit that could not begin.
@@ -42,6 +43,17 @@ pub enum FitError {
         /// Largest intensity in size.
         largest: f64,
     },
+    /// Data that are not those of the fit they are to be compared with.
+    #[error("{readings} readings do not belong to a fit of {fitted}")]
+    OtherData {
+        /// Readings in the data.
+        readings: usize,
+        /// Readings of the fit.
+        fitted: usize,
+    },
+    /// A posterior that cannot be sampled.
+    #[error(transparent)]
+    Sampler(#[from] SamplerError),
     /// The model has a finite value nowhere in the bounds.
     #[error("the `{model}` model has no finite value at any start within the bounds")]
     NowhereFinite {
@@ -110,7 +122,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     let (held, space, best) = hold_undetermined(&compiled, &robust, &searched, &minima[0])?;
     let minima = apart_beyond(minima, &held, &searched);
     let mut solution = Solution { searched, space, best, minima, held, robust, robust_unit, unit: 1.0 };
-    let summary = summarise(&Found::new(&compiled, model.as_ref(), &solution));
+    let summary = summarise(&Found::new(&compiled, &solution));
     let Summary { outcome, readings, unit } = summary.ok_or(FitError::NowhereFinite { model: model.name() })?;
     solution.unit = unit;
     Ok(Fit { outcome, readings, solution })

@@ -1,13 +1,17 @@
 //! The inverse problem: from a measured data set to the structure that made it. The one join of optics, data and optimiser.
 
+mod atlas;
 mod compiled;
 mod estimates;
 mod fit;
+pub mod intervals;
+mod marginal;
 mod nuisance;
 mod outcome;
 mod parameter;
 mod plan;
 mod problem;
+mod quantity;
 mod search;
 mod settings;
 mod solution;
@@ -16,6 +20,7 @@ mod summary;
 mod undetermined;
 mod wording;
 
+pub use atlas::{ChiSquareMap, Relation, chi_square_map};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use outcome::{

@@ -13,7 +13,7 @@
 
 use crate::inversion::plan::{Plan, PlannedReading, TermsView};
 use crate::numerics::nonnegative;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::{Deserialize, Serialize};
 
 /// Whether a linear nuisance is fitted, and how many of it there are.
@@ -263,6 +263,16 @@ impl NormalEquations {
     /// The best non-negative coefficients.
     pub(crate) fn solve(&self) -> DVector<f64> {
         nonnegative::solve(&self.gram, &self.right)
+    }
+
+    /// Factors of the normal matrix; `None` if its columns depend on each other, or one is 0 or not finite.
+    pub(crate) fn factors(&self) -> Option<Cholesky<f64, Dyn>> {
+        Cholesky::new(self.gram.clone())
+    }
+
+    /// The best coefficients of either sign.
+    pub(crate) fn unconstrained(&self, factors: &Cholesky<f64, Dyn>) -> DVector<f64> {
+        factors.solve(&self.right)
     }
 
     /// Weighted sum of squares at `coefficients`, to rounding of the data's own sum of squares; infinite if not finite.

@@ -1,5 +1,7 @@
 //! What a fit found, in the user's units, ready to be written as `fit.json`.
 
+use crate::inversion::atlas::Relation;
+use crate::inversion::intervals::UncertaintyFound;
 use crate::inversion::settings::FitSettings;
 use crate::inversion::solution::Solution;
 use crate::optimise::Termination;
@@ -160,6 +162,14 @@ pub struct NamedMatrix {
 pub struct MinimumFound {
     /// Its chi², or the sum of the robust loss where one is used.
     pub chi2: f64,
+    /// How far that is above the best, in units of the squared standard deviation of a weighted residual.
+    pub delta_chi2: f64,
+    /// Whether that is within the level at which a minimum counts as fitting as well.
+    pub fits: bool,
+    /// Share of the posterior about it, by its depth and curvature.
+    pub weight: f64,
+    /// How it is related to the best.
+    pub relation: Relation,
     /// The five values, in the user's units and the order of the parameters.
     pub values: [f64; 5],
     /// How the solver ended there.
@@ -272,6 +282,9 @@ pub struct FitOutcome {
     pub minima: Vec<MinimumFound>,
     /// What the data can tell.
     pub identifiability: IdentifiabilityFound,
+    /// Intervals by other methods than the covariance, where they were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyFound>,
     /// Scale, weight and background.
     pub nuisance: Vec<NuisanceFound>,
     /// How the solver ended at the best minimum.

@@ -131,6 +131,20 @@ pub fn values(structure: &Structure) -> [f64; COUNT] {
     [d_air, d_cuticle, delta, phi_alpha, lamella_width]
 }
 
+/// Whether a structure makes sense at all.
+pub(crate) fn inside(values: &[f64; COUNT]) -> bool {
+    Parameter::ALL.iter().zip(values).all(|(parameter, value)| {
+        let (lower, upper) = parameter.domain();
+        (lower..=upper).contains(value)
+    })
+}
+
+/// Five inside values in the user's units.
+#[must_use]
+pub(crate) fn outside(inside: &[f64; COUNT]) -> [f64; COUNT] {
+    Parameter::ALL.map(|parameter| parameter.outside(inside[parameter.index()]))
+}
+
 /// What one parameter may do in a fit; values in the library's units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -47,7 +47,7 @@ struct StackNode {
 }
 
 /// A data set compiled for one model.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Plan<'a> {
     model: &'a dyn ReflectivityModel,
     stack: Vec<StackNode>,

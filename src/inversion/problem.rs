@@ -6,7 +6,7 @@
 
 use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::LinearPart;
-use crate::inversion::parameter::{COUNT, Parameter};
+use crate::inversion::parameter::{COUNT, Parameter, inside};
 use crate::inversion::plan::{Plan, Terms};
 use crate::inversion::space::Space;
 use crate::optimise::{Bounds, LeastSquares, derivative};
@@ -38,6 +38,10 @@ impl<'a> Problem<'a> {
         Self { plan: &compiled.plan, linear: &compiled.linear, space, robust, last: RefCell::new(None) }
     }
 
+    pub(crate) fn space(&self) -> &Space {
+        self.space
+    }
+
     fn weight(&self, row: usize) -> f64 {
         self.plan.readings[row].weight * self.robust.get(row).copied().unwrap_or(1.0)
     }
@@ -45,11 +49,7 @@ impl<'a> Problem<'a> {
     /// The model at `free` with its best nuisances; `None` outside the models' domain.
     pub(crate) fn evaluate(&self, free: &DVector<f64>) -> Option<Evaluation> {
         let values = self.space.freedom.expand(free);
-        let inside = Parameter::ALL.iter().zip(&values).all(|(&parameter, value)| {
-            let (lower, upper) = parameter.domain();
-            (lower..=upper).contains(value)
-        });
-        if !inside {
+        if !inside(&values) {
             return None;
         }
         let terms = self.plan.terms(&values);

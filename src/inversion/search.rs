@@ -5,7 +5,7 @@
 
 use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::LinearPart;
-use crate::inversion::parameter::{COUNT, Parameter};
+use crate::inversion::parameter::{COUNT, Parameter, inside};
 use crate::inversion::plan::{Plan, TermsView};
 use crate::inversion::problem::Problem;
 use crate::inversion::settings::FitSettings;
@@ -52,7 +52,8 @@ const SUSPICIOUS: f64 = 2.6;
 const DEEPER: usize = 6;
 
 /// Tolerances of the first polish: enough to rank the minima.
-const COARSE: Tolerances = Tolerances { cost: 1e-4, step: 1e-5, gradient: 1e-8, max_evaluations: 60, escapes: 0 };
+pub(crate) const COARSE: Tolerances =
+    Tolerances { cost: 1e-4, step: 1e-5, gradient: 1e-8, max_evaluations: 60, escapes: 0 };
 /// Tolerances of the last: the cost to 1e-10 of itself, far below what noise can tell.
 pub(crate) const FINE: Tolerances =
     Tolerances { cost: 1e-10, step: 1e-10, gradient: 1e-13, max_evaluations: 400, escapes: 20 };
@@ -94,7 +95,22 @@ pub(crate) fn minima(
             break;
         }
     }
+    if let Some(best) = found.iter().min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares())).cloned() {
+        found.extend(aliases(compiled, space, &best));
+    }
     merge_near(found, &space.scales, APART)
+}
+
+/// The minima next to the aliases of `best`: its swap partner, its mirror image in the tilt, and both in one.
+///
+/// They may be far above the best; a report tells how far.
+fn aliases(compiled: &Compiled<'_>, space: &Space, best: &Minimum) -> Vec<Minimum> {
+    let values = space.freedom.expand(&best.parameters);
+    let ratio = index_ratio(compiled.settings);
+    let swapped = swap_partner(&values, ratio, space);
+    let both = swapped.as_ref().and_then(|swapped| mirrored(&space.freedom.expand(swapped), space));
+    let starts: Vec<DVector<f64>> = swapped.into_iter().chain(mirrored(&values, space)).chain(both).collect();
+    multistart(|| Problem::new(compiled, space, &[]), &starts, FINE)
 }
 
 /// What is polished: the best cells of the grid, the swap partners and mirror images of the best of these, and random
@@ -214,6 +230,19 @@ fn finer(space: &Space, plan: &Plan<'_>, linear: &LinearPart, cells: &[Cell]) ->
     scan(space, plan, linear, &cells.iter().map(of).collect::<Vec<_>>(), &combinations(&axes[outer..]))
 }
 
+/// The best of the other parameters, on the grid, for each of `thicknesses`; `None` where the model has no value.
+pub(crate) fn best_of_the_rest(
+    space: &Space,
+    plan: &Plan<'_>,
+    linear: &LinearPart,
+    thicknesses: &[Vec<f64>],
+) -> Vec<Option<[f64; COUNT]>> {
+    let axes = axes(space, plan, COARSER);
+    let inner = combinations(&axes[self::thicknesses(space)..]);
+    let of = |cell: Cell| cell.cost.is_finite().then_some(cell.values);
+    cells(space, plan, linear, thicknesses, &inner).into_iter().map(of).collect()
+}
+
 /// How many of the free parameters are thicknesses; they come first.
 fn thicknesses(space: &Space) -> usize {
     space.freedom.free.iter().take_while(|p| matches!(p, Parameter::DAir | Parameter::DCuticle)).count()
@@ -221,6 +250,14 @@ fn thicknesses(space: &Space) -> usize {
 
 /// A cell for each of `outers`, the thicknesses, with the best of the other parameters in `inner`; best first.
 fn scan(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>], inner: &[Vec<f64>]) -> Vec<Cell> {
+    let mut cells = cells(space, plan, linear, outers, inner);
+    cells.retain(|cell| cell.cost.is_finite());
+    cells.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    cells
+}
+
+/// The same in the order of `outers`, those without a value too.
+fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>], inner: &[Vec<f64>]) -> Vec<Cell> {
     let full = |outer: &[f64], inner: &[f64]| {
         let free = DVector::from_iterator(outer.len() + inner.len(), outer.iter().chain(inner).copied());
         space.freedom.expand(&free)
@@ -240,11 +277,7 @@ fn scan(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>]
         for inner in inner {
             let values = full(outer, inner);
             let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = values;
-            let inside = Parameter::ALL.iter().zip(&values).all(|(parameter, value)| {
-                let (lower, upper) = parameter.domain();
-                (lower..=upper).contains(value)
-            });
-            if !inside {
+            if !inside(&values) {
                 continue;
             }
             let (own_lobe, own_slit);
@@ -274,7 +307,5 @@ fn scan(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>]
         }
         best
     };
-    let mut cells: Vec<Cell> = outers.par_iter().map(cell).filter(|cell| cell.cost.is_finite()).collect();
-    cells.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    cells
+    outers.par_iter().map(cell).collect()
 }

@@ -66,10 +66,18 @@ pub struct FitSettings {
     pub loss: Loss,
     /// Where the search begins.
     pub search: Search,
+    /// A minimum within this Δchi² of the best, in units of the squared standard deviation of a weighted residual, fits as
+    /// well: 9 is three standard deviations of one parameter.
+    #[serde(default = "level")]
+    pub level: f64,
     /// Seed of the random starts that stand beside the grid.
     pub seed: u64,
     /// Parameters that the user asked for by name: it is a failure if one of them is not determined.
     pub required: Vec<Parameter>,
+}
+
+fn level() -> f64 {
+    9.0
 }
 
 impl Default for FitSettings {
@@ -85,6 +93,7 @@ impl Default for FitSettings {
             nuisances: Nuisances::default(),
             loss: Loss::default(),
             search: Search::default(),
+            level: level(),
             seed: 1,
             required: Vec::new(),
         }
@@ -134,6 +143,12 @@ pub enum SettingsError {
         parameter: Parameter,
         /// What it should follow.
         other: Parameter,
+    },
+    /// A level of Δchi² that is no number of at least 0.
+    #[error("the level of delta chi² is {found}; it must be a finite number, at least 0")]
+    Level {
+        /// What was given.
+        found: f64,
     },
     /// A weight of Model A that is no number of at least 0.
     #[error("the weight of Model A is {found}; it must be a finite number, at least 0")]
@@ -185,6 +200,9 @@ impl FitSettings {
             && !(found.is_finite() && found >= 0.0)
         {
             return Err(SettingsError::Weight { found });
+        }
+        if !(self.level.is_finite() && self.level >= 0.0) {
+            return Err(SettingsError::Level { found: self.level });
         }
         Ok(())
     }

@@ -1,17 +1,19 @@
 //! From a minimum to what is said about it: verdict, warnings, minima, curves.
 
+use crate::inversion::atlas::listed;
 use crate::inversion::estimates::{Found, Uncertainty, as_good, index_ratio};
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{
-    DataFound, Derived, Estimate, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, Parameters, SCHEMA,
-    SigmaSource, Status, Verdict,
+    DataFound, Derived, Estimate, FitOutcome, FittedReading, IdentifiabilityFound, Parameters, SCHEMA, SigmaSource,
+    Status, Verdict,
 };
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
+use crate::inversion::quantity::indices;
 use crate::inversion::settings::Search;
 use crate::inversion::undetermined::{Held, unit_of_residuals};
 use crate::inversion::wording;
-use crate::optimise::{Loss, Minimum};
+use crate::optimise::Loss;
 use crate::uncertainty::goodness::excess;
 use crate::uncertainty::identifiability::Identifiability;
 
@@ -27,8 +29,6 @@ const ROUNDING: f64 = 1e-6;
 const MOST_CORRELATED: f64 = 0.99;
 /// A reading with more than this share of chi² is named.
 const OUTLIER: f64 = 0.5;
-/// Minima listed.
-const LISTED: usize = 10;
 /// A model that lowers chi² by less than this below the best constant says nothing: of 300 sets of pure noise the fit
 /// gained 21 at most, 15 in one of twenty (172 readings, two nuisances; each more adds about 1).
 const CHANCE: f64 = 30.0;
@@ -90,7 +90,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     }
     let verdict = verdict(found, &estimates, &derived);
     let identifiability = identifiability(found, unit);
-    let minima = minima(found);
+    let minima = listed(found.minima, found.searched, unit, found.settings.level, indices(found.compiled));
     let mut warnings = Vec::new();
     if by_chance {
         warnings.push(if found.settings.search == Search::Local {
@@ -150,6 +150,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         covariance,
         minima,
         identifiability,
+        uncertainty: None,
         nuisance: uncertainty.nuisances(found, &point),
         termination: found.best.termination,
         evaluations: found.best.evaluations,
@@ -307,18 +308,6 @@ fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
         condition: Some(analysis.condition).filter(|condition| condition.is_finite()),
         undetermined: held.into_iter().map(|held| wording::undetermined(held, ratio)).collect(),
     }
-}
-
-fn minima(found: &Found<'_>) -> Vec<MinimumFound> {
-    let of = |minimum: &Minimum| {
-        let values = found.searched.freedom.expand(&minimum.parameters);
-        let mut outside = [0.0; COUNT];
-        for parameter in Parameter::ALL {
-            outside[parameter.index()] = parameter.outside(values[parameter.index()]);
-        }
-        MinimumFound { chi2: minimum.sum_of_squares(), values: outside, termination: minimum.termination }
-    };
-    found.minima.iter().take(LISTED).map(of).collect()
 }
 
 /// A warning if one reading makes up most of chi².

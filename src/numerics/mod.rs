@@ -2,5 +2,6 @@
 
 pub mod nonnegative;
 pub mod normal;
+pub mod quantile;
 pub mod singular;
 pub mod trigonometry;

@@ -1,4 +1,4 @@
-//! Quantiles of the standard normal distribution.
+//! The standard normal distribution.
 
 /// `x` at which the standard normal distribution reaches `probability`.
 ///
@@ -109,6 +109,23 @@ const FAR: Rational = (
         2.044_263_103_389_939_8e-15,
     ],
 );
+
+/// Density of the standard normal distribution.
+#[must_use]
+pub fn density(x: f64) -> f64 {
+    (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt()
+}
+
+/// Share of the standard normal distribution below `x`, to 1e-15 of itself on either side.
+///
+/// ```
+/// use morpho_fit::numerics::normal::distribution;
+/// assert!((distribution(1.0) - distribution(-1.0) - 0.682_689_492_137_085_9).abs() < 1e-15);
+/// ```
+#[must_use]
+pub fn distribution(x: f64) -> f64 {
+    0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)
+}
 
 #[cfg(test)]
 mod tests {

@@ -3,6 +3,7 @@
 mod digits;
 mod table;
 pub mod terminal;
+pub mod uncertainty;
 pub mod wording;
 
 pub use digits::{plain, with_sigma};

@@ -3,7 +3,7 @@
 use super::digits::{plain, with_sigma};
 use super::table::{Align, Table};
 use super::wording;
-use crate::inversion::{Estimate, Fit, FitOutcome, NuisanceFound};
+use crate::inversion::{Estimate, Fit, FitOutcome, NuisanceFound, Verdict};
 
 /// Warnings that are told; all of them are in `fit.json`.
 const WARNINGS: usize = 6;
@@ -13,8 +13,8 @@ const NUISANCES: usize = 6;
 const CURVES: usize = 4;
 /// Notes on the data that are told.
 const NOTES: usize = 6;
-/// A second minimum with so many times the chi² of the best is no rival.
-const NEAR: f64 = 2.0;
+/// Minima that are told.
+const RIVALS: usize = 8;
 /// Narrowest screen that is filled.
 const NARROWEST: usize = 60;
 
@@ -38,9 +38,10 @@ pub fn text(fit: &Fit, width: usize) -> String {
     }
     report.push_str(&parameters(outcome));
     report.push('\n');
-    for line in [nuisances(&outcome.nuisance), goodness(outcome), minima(outcome), data(outcome)] {
+    for line in [nuisances(&outcome.nuisance), goodness(outcome), data(outcome)] {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
+    report.push_str(&rivals(outcome, width));
     report
 }
 
@@ -107,16 +108,43 @@ fn goodness(outcome: &FitOutcome) -> String {
     format!("chi² {chi2} for {dof} degrees of freedom, {} each; {source}", plain(per))
 }
 
-/// How far behind the second minimum is, if it is near enough to be thought of.
-fn minima(outcome: &FitOutcome) -> String {
-    let [first, second, ..] = outcome.minima.as_slice() else { return String::new() };
-    let behind = second.chi2 / first.chi2;
-    // Where a combination alone is determined the minima lie along it and are one answer.
-    if outcome.identifiability.undetermined.is_empty() && behind < NEAR {
-        format!("the next best minimum has {} times the chi² of the best", plain(behind))
-    } else {
-        String::new()
+/// The rivals: in a line if none fits, as a table with the best if one does.
+fn rivals(outcome: &FitOutcome, width: usize) -> String {
+    if outcome.verdict == Verdict::NotConverged {
+        return String::new();
     }
+    let [_, second, ..] = outcome.minima.as_slice() else { return String::new() };
+    // Where a combination alone is determined the minima lie along it and are one answer.
+    if !second.fits && !outcome.identifiability.undetermined.is_empty() {
+        return String::new();
+    }
+    if !second.fits {
+        let [d_air, d_cuticle, ..] = second.values.map(plain);
+        let line = format!(
+            "next best: d_air {d_air} nm, d_cuticle {d_cuticle} nm ({}), delta chi² {}",
+            second.relation.phrase(),
+            plain(second.delta_chi2)
+        );
+        return wrapped(&line, "  ", "    ", width);
+    }
+    let right = Align::Right;
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("d_air nm", right),
+        ("d_cuticle nm", right),
+        ("delta deg", right),
+        ("delta chi²", right),
+        ("weight", right),
+        ("", Align::Left),
+    ]);
+    for (place, minimum) in outcome.minima.iter().filter(|minimum| minimum.fits).take(RIVALS).enumerate() {
+        let [d_air, d_cuticle, delta, ..] = minimum.values.map(plain);
+        let (chi2, weight) = (plain(minimum.delta_chi2), format!("{:.0} %", 100.0 * minimum.weight));
+        table.row([(place + 1).to_string(), d_air, d_cuticle, delta, chi2, weight, minimum.relation.phrase()]);
+    }
+    let more = outcome.minima.iter().filter(|minimum| minimum.fits).count().saturating_sub(RIVALS);
+    let more = if more > 0 { format!("  and {more} more in fit.json\n") } else { String::new() };
+    format!("\n{table}{more}")
 }
 
 fn data(outcome: &FitOutcome) -> String {

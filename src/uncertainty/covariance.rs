@@ -42,6 +42,22 @@ pub fn covariance(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(whitened.tr_mul(&whitened))
 }
 
+/// Covariance `(J' J + 12 diag(range)⁻²)⁻¹` of a Jacobian and a normal prior as wide as an even guess over each range.
+///
+/// It exists where the data alone leave a direction open; `None` only if `jacobian` is not finite.
+///
+/// # Shape
+/// `jacobian: [m, n]`, `ranges: [n]`, above 0, result `[n, n]`.
+#[must_use]
+pub fn regularised(jacobian: &DMatrix<f64>, ranges: &DVector<f64>) -> Option<DMatrix<f64>> {
+    let n = jacobian.ncols();
+    let mut both = jacobian.clone().resize_vertically(jacobian.nrows() + n, 0.0);
+    for j in 0..n {
+        both[(jacobian.nrows() + j, j)] = 12.0_f64.sqrt() / ranges[j];
+    }
+    covariance(&both)
+}
+
 /// Correlations of a covariance, `[n, n]`; 0 beside a variance of 0.
 #[must_use]
 pub fn correlation(covariance: &DMatrix<f64>) -> DMatrix<f64> {

@@ -1,7 +1,9 @@
-//! How sure a minimum is: covariance, identifiability and the posterior of a least-squares problem. Knows no optics.
+//! How sure a minimum is: covariance, identifiability, profile likelihood and posterior of a least-squares problem. Knows no
+//! optics.
 
 pub mod convergence;
 pub mod covariance;
 pub mod goodness;
 pub mod identifiability;
 pub mod posterior;
+pub mod profile;

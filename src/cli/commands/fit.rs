@@ -1,6 +1,7 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
-use crate::args::{FitArgs, OutputArgs};
+use crate::args::{FitArgs, OutputArgs, UncertaintyWord};
+use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::exit::Outcome;
 use crate::options::Problem;
 use crate::output::{self, Folder};
@@ -11,23 +12,27 @@ use morpho_fit::export::{curves_csv, fit_json};
 use morpho_fit::inversion::{Fit, FitOutcome, Parameter, Status, Verdict, fit};
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::{Figure, draw};
-use morpho_fit::report::{terminal, wording};
+use morpho_fit::report::{terminal, uncertainty, wording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Characters in a line of the report.
 const WIDTH: usize = 100;
 
-pub(crate) fn run(args: &FitArgs) -> Result<Outcome> {
+/// Fits; `command` is the method whose word the command line began with.
+pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
     let began = Instant::now();
     let problem = Problem::read(&args.problem)?;
     let folder = Folder::open(&place(&args.output, &problem.file))?;
-    let found = work(&problem, &folder, &args.output).inspect_err(|_| folder.abandon())?;
+    let found = work(&problem, &folder, args, command).inspect_err(|_| folder.abandon())?;
     let Files { fit, json, names } = found;
     if args.output.json {
         output::print(&json)?;
     } else if !args.output.quiet {
         let mut report = terminal::text(&fit, WIDTH);
+        if let Some(found) = &fit.outcome.uncertainty {
+            report.push_str(&format!("\n{}", uncertainty::text(found)));
+        }
         let seconds = began.elapsed().as_secs_f64();
         report.push_str(&format!("\n  {}: {} ({seconds:.2} s)\n", folder.path().display(), names.join(" ")));
         output::print_report(&report)?;
@@ -53,24 +58,40 @@ struct Files {
     names: Vec<&'static str>,
 }
 
-fn work(problem: &Problem, folder: &Folder, args: &OutputArgs) -> Result<Files> {
+fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: UncertaintyWord) -> Result<Files> {
     let Problem { file, data, settings, .. } = problem;
-    let progress = Progress::new(args.quiet);
-    let mut fit = fit(data, settings, &|what| progress.tell(what)).with_context(|| file.clone())?;
+    let progress = Progress::new(args.output.quiet);
+    let tell = |what: &str| progress.tell(what);
+    let mut fit = fit(data, settings, &tell).with_context(|| file.clone())?;
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }
-    progress.tell("writing the results");
-    let json = fit_json(&fit.outcome)?;
-    let mut files = vec![("fit.json", json.clone()), ("curves.csv", curves_csv(data, &fit)?)];
-    if !args.no_plots {
+    tell("writing the results");
+    let mut files = vec![("curves.csv", curves_csv(data, &fit)?)];
+    if !args.output.no_plots {
         files.extend(plots(file, data, &fit)?);
     }
+    let mut names: Vec<&'static str> = files.iter().map(|(name, _)| *name).collect();
+    let mut json = fit_json(&fit.outcome)?;
+    files.push(("fit.json", json.clone()));
+    // What stands is written before the long work begins.
     folder.write(&files)?;
-    if args.no_plots {
-        folder.remove_stale(&PICTURES);
+    let methods = Methods::of(&args.uncertainty, command);
+    if let Some(intervals) = Intervals::ask(methods, &args.uncertainty, data, &fit, &tell)? {
+        fit.outcome.uncertainty = Some(intervals.compared(&fit));
+        json = fit_json(&fit.outcome)?;
+        let mut files = intervals.files()?;
+        if !args.output.no_plots {
+            files.extend(intervals.plots(&fit)?);
+        }
+        names.extend(files.iter().map(|(name, _)| *name));
+        files.push(("fit.json", json.clone()));
+        folder.write(&files)?;
     }
-    Ok(Files { fit, json, names: files.into_iter().map(|(name, _)| name).collect() })
+    names.insert(0, "fit.json");
+    let stale: Vec<&str> = PICTURES.iter().chain(&FILES).copied().filter(|name| !names.contains(name)).collect();
+    folder.remove_stale(&stale);
+    Ok(Files { fit, json, names })
 }
 
 fn plots(file: &str, data: &Dataset, fit: &Fit) -> Result<Vec<(&'static str, Vec<u8>)>> {

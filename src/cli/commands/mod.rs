@@ -2,4 +2,5 @@
 
 pub(crate) mod check;
 pub(crate) mod fit;
+mod intervals;
 pub(crate) mod simulate;

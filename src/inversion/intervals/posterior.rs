@@ -1,0 +1,170 @@
+//! The posterior of a fit: what is believed of the parameters after the data, sampled.
+
+use crate::dataset::Dataset;
+use crate::inversion::compiled::Compiled;
+use crate::inversion::fit::FitError;
+use crate::inversion::intervals::{IntervalPair, rivals};
+use crate::inversion::marginal::{Likelihood, Noise};
+use crate::inversion::outcome::Fit;
+use crate::inversion::parameter::COUNT;
+use crate::inversion::quantity::Quantity;
+use crate::inversion::solution::Solution;
+use crate::numerics::quantile::{NINETY_FIVE, SIXTY_EIGHT, central};
+use crate::optimise::Minimum;
+use crate::uncertainty::convergence::Convergence;
+use crate::uncertainty::covariance::regularised;
+use crate::uncertainty::posterior::{self as sampler, Mode, SamplerSettings, Stopped};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// The choices of a posterior.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PosteriorSettings {
+    /// Effective samples wanted of every parameter, in the bulk and in the tails.
+    pub effective: usize,
+    /// Evaluations of the model at most.
+    pub max_evaluations: usize,
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+impl PosteriorSettings {
+    /// 4000 effective samples with at most 400 000 evaluations.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self { effective: 4000, max_evaluations: 400_000, seed }
+    }
+}
+
+/// Samples of the posterior.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posterior {
+    /// Names of the quantities, as in `fit.json`.
+    pub names: Vec<&'static str>,
+    /// Their units.
+    pub units: Vec<&'static str>,
+    /// A row for each sample, a column for each quantity, user units; the steps of the first chain, then the second's, ...
+    pub samples: Vec<Vec<f64>>,
+    /// Chains, of equal length.
+    pub chains: usize,
+    /// Agreement and effective sample size of each quantity; `None` where it does not move.
+    pub convergence: Vec<Option<Convergence>>,
+    /// Credible intervals with equal tails, one for each quantity; inside the bounds, so never open.
+    pub intervals: Vec<IntervalPair>,
+    /// Share of the posterior about each minimum of the fit, in their order.
+    pub weights: Vec<f64>,
+    /// Evaluations of the model.
+    pub evaluations: usize,
+    /// Accepted share of independent draws, and of jumps by differential evolution.
+    pub acceptance: [f64; 2],
+    /// Whether the chains agree and are worth the samples asked for.
+    pub converged: bool,
+}
+
+/// Samples the posterior of the free parameters.
+///
+/// ```text
+/// p(parameters | data) ~ integral of exp(-chi²/(2 unit²)) sqrt(det G) dc,   parameters flat within their bounds
+/// ```
+///
+/// over the linear nuisances `c >= 0`, whose prior `sqrt(det G)`, with the normal matrix G of their columns, is flat in what
+/// they add to the curve: a structure is not favoured because it reflects little and needs a large scale. Where the data
+/// state no sigma, it is integrated over with the prior `1/sigma`. `unit` is the factor by which intervals are widened
+/// where the model misses the data. With a robust loss the weights of the fit stand.
+///
+/// # Errors
+/// [`FitError`] if `data` are not those of `fit`, or if no parameter is free.
+///
+/// # Source
+/// The sampler: [`crate::uncertainty::posterior`].
+pub fn posterior(
+    data: &Dataset,
+    fit: &Fit,
+    settings: &PosteriorSettings,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Posterior, FitError> {
+    let model = fit.outcome.settings.model.build(fit.outcome.settings.stack.clone());
+    let compiled = Compiled::of_fit(data, fit, model.as_ref())?;
+    let solution = &fit.solution;
+    let noise = Noise::of(data, fit);
+    let likelihood = Likelihood::new(&compiled, &solution.searched, &solution.robust, noise);
+    #[allow(clippy::cast_precision_loss, reason = "numbers of samples are below 2^53")]
+    let sampler_settings = SamplerSettings {
+        effective: settings.effective as f64,
+        max_evaluations: settings.max_evaluations,
+        seed: settings.seed,
+        ..SamplerSettings::default()
+    };
+    let bounds = &solution.searched.bounds;
+    let modes: Vec<Mode> = std::iter::once(&solution.minima[0])
+        .chain(rivals(solution))
+        .filter_map(|minimum| mode(solution, minimum))
+        .collect();
+    let drawn = sampler::sample(|free| likelihood.log(free), bounds, &modes, &sampler_settings, progress)?;
+    let quantities = Quantity::moving(&compiled, &solution.searched);
+    let values: Vec<[f64; COUNT]> =
+        drawn.samples.row_iter().map(|row| solution.searched.freedom.expand(&row.transpose())).collect();
+    let of = |values: &[f64; COUNT]| quantities.iter().map(|q| q.outside(q.of(values))).collect::<Vec<f64>>();
+    let samples: Vec<Vec<f64>> = values.iter().map(of).collect();
+    let columns: Vec<Vec<f64>> =
+        (0..quantities.len()).map(|column| samples.iter().map(|row| row[column]).collect()).collect();
+    let steps = samples.len() / drawn.chains.max(1);
+    let convergence = |column: &Vec<f64>| {
+        let chains: Vec<&[f64]> = column.chunks_exact(steps.max(1)).collect();
+        Convergence::of(&chains)
+    };
+    let intervals = |column: &Vec<f64>| {
+        let mut rising = column.clone();
+        rising.sort_by(f64::total_cmp);
+        let interval = |share| central(&rising, share).map_or([None, None], |ends| ends.map(Some));
+        IntervalPair { interval_68: interval(SIXTY_EIGHT), interval_95: interval(NINETY_FIVE) }
+    };
+    Ok(Posterior {
+        names: quantities.iter().map(|quantity| quantity.name()).collect(),
+        units: quantities.iter().map(|quantity| quantity.unit()).collect(),
+        chains: drawn.chains,
+        convergence: columns.iter().map(convergence).collect(),
+        intervals: columns.iter().map(intervals).collect(),
+        weights: weights(solution, &drawn.samples),
+        evaluations: drawn.evaluations,
+        acceptance: [drawn.independence.share(), drawn.evolution.share()],
+        converged: drawn.stopped == Stopped::Converged,
+        samples,
+    })
+}
+
+/// The normal approximation of the posterior about a minimum; the bounds count as a normal prior of their spread.
+fn mode(solution: &Solution, minimum: &Minimum) -> Option<Mode> {
+    let unit = solution.unit;
+    let covariance = regularised(&(&minimum.triangle / unit), &solution.searched.ranges)?;
+    let behind = (minimum.sum_of_squares() - solution.minima[0].sum_of_squares()) / (unit * unit);
+    let volume = covariance.clone().cholesky()?.l().diagonal().iter().map(|side| side.ln()).sum::<f64>();
+    Some(Mode { centre: minimum.parameters.clone(), covariance, log_weight: volume - 0.5 * behind })
+}
+
+/// Share of the samples that are nearest to each minimum, in its own covariance.
+fn weights(solution: &Solution, samples: &DMatrix<f64>) -> Vec<f64> {
+    let inverse: Vec<Option<(DVector<f64>, DMatrix<f64>)>> = (solution.minima.iter())
+        .map(|minimum| {
+            let covariance = regularised(&(&minimum.triangle / solution.unit), &solution.searched.ranges)?;
+            Some((minimum.parameters.clone(), covariance.cholesky()?.inverse()))
+        })
+        .collect();
+    let mut counts = vec![0.0; inverse.len()];
+    for sample in samples.row_iter() {
+        let sample = sample.transpose();
+        let distance = |of: &Option<(DVector<f64>, DMatrix<f64>)>| {
+            of.as_ref().map_or(f64::INFINITY, |(centre, inverse)| {
+                let step = &sample - centre;
+                (inverse * &step).dot(&step)
+            })
+        };
+        let nearest = (inverse.iter().map(distance).enumerate()).min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((nearest, _)) = nearest {
+            counts[nearest] += 1.0;
+        }
+    }
+    #[allow(clippy::cast_precision_loss, reason = "counts of samples are below 2^53")]
+    let all = samples.nrows().max(1) as f64;
+    counts.iter().map(|count| count / all).collect()
+}

@@ -1,0 +1,181 @@
+//! Profile likelihood of every quantity of a fit.
+
+use crate::dataset::Dataset;
+use crate::inversion::compiled::Compiled;
+use crate::inversion::fit::FitError;
+use crate::inversion::intervals::{IntervalPair, Quantiles, rivals};
+use crate::inversion::outcome::Fit;
+use crate::inversion::parameter::{COUNT, outside};
+use crate::inversion::problem::Problem;
+use crate::inversion::quantity::Quantity;
+use crate::inversion::solution::Solution;
+use crate::inversion::space::Space;
+use crate::optimise::{LeastSquares, Minimum, Tolerances, minimise};
+use crate::uncertainty::profile::{Conditional, ProfileStart, profile};
+use nalgebra::DVector;
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
+
+/// Where the covariance gives no standard deviation, the first steps are this share of the range.
+const BLIND: f64 = 0.1;
+/// Tolerances of a conditional minimum: the cost to far less than the 0.004 of chi² that the ends are found to.
+const CONDITIONAL: Tolerances = Tolerances { cost: 1e-9, step: 1e-8, gradient: 1e-11, max_evaluations: 80, escapes: 2 };
+/// A conditional minimum this far below the best, in chi², is another minimum and no rounding.
+const LOWER: f64 = 0.01;
+
+/// The profile of one quantity, in the user's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuantityProfile {
+    /// Name as in `fit.json`.
+    pub name: &'static str,
+    /// nm, deg or rad.
+    pub unit: &'static str,
+    /// Best value.
+    pub best: f64,
+    /// Standard deviation by the covariance, where it has one.
+    pub sigma: Option<f64>,
+    /// Values of the quantity, rising.
+    pub values: Vec<f64>,
+    /// Δchi² in units of the squared standard deviation of a weighted residual, one for each value.
+    pub excess: Vec<f64>,
+    /// The five parameters at each, user units.
+    pub parameters: Vec<[f64; COUNT]>,
+    /// Intervals of 68.3 and 95 %; an end at a limit is open.
+    pub intervals: IntervalPair,
+    /// Least and largest value within the bounds of the fit.
+    pub limits: [f64; 2],
+    /// Δchi² at the ends of the two intervals.
+    pub levels: [f64; 2],
+}
+
+/// All profiles of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profiles {
+    /// One for each quantity that moves.
+    pub quantities: Vec<QuantityProfile>,
+    /// The five parameters, user units, of a minimum below that of the fit which a profile met.
+    pub lower: Option<[f64; COUNT]>,
+}
+
+/// The profile likelihood of each free parameter, of the period and of the optical sum.
+///
+/// The others are fitted again at each point from where they were at its neighbours and at other minima; what the data do
+/// not determine floats within its bounds.
+///
+/// ```text
+/// interval of quantile z:   min chi²(quantity held) - min chi² < z² · unit²
+/// ```
+///
+/// # Errors
+/// [`FitError`] if `data` are not those of `fit`.
+///
+/// # Source
+/// Venzon and Moolgavkar 1988, DOI 10.2307/2347496.
+pub fn profiles(data: &Dataset, fit: &Fit, progress: &(dyn Fn(&str) + Sync)) -> Result<Profiles, FitError> {
+    let model = fit.outcome.settings.model.build(fit.outcome.settings.stack.clone());
+    let compiled = Compiled::of_fit(data, fit, model.as_ref())?;
+    let quantities = Quantity::moving(&compiled, &fit.solution.searched);
+    let task = Task { compiled: &compiled, fit };
+    let found: Vec<(QuantityProfile, Option<[f64; COUNT]>)> = quantities
+        .par_iter()
+        .map(|&quantity| {
+            progress(&format!("profile of {}", quantity.name()));
+            task.profile(quantity)
+        })
+        .collect();
+    let lower = found.iter().find_map(|(_, lower)| *lower);
+    Ok(Profiles { quantities: found.into_iter().map(|(profile, _)| profile).collect(), lower })
+}
+
+struct Task<'a> {
+    compiled: &'a Compiled<'a>,
+    fit: &'a Fit,
+}
+
+impl Task<'_> {
+    fn profile(&self, quantity: Quantity) -> (QuantityProfile, Option<[f64; COUNT]>) {
+        let Solution { searched, minima, unit, robust, .. } = &self.fit.solution;
+        let best = &minima[0];
+        let values = searched.freedom.expand(&best.parameters);
+        let limits = quantity.limits(searched);
+        let sigma = quantity.estimate(&self.fit.outcome).sigma.map(|sigma| quantity.inside(sigma));
+        let others: Vec<[f64; COUNT]> =
+            rivals(&self.fit.solution).map(|minimum| searched.freedom.expand(&minimum.parameters)).collect();
+        // The spaces of one quantity differ in the held value alone: the free parameters are numbered alike.
+        let conditional = |value: f64, starts: &[&DVector<f64>]| {
+            let roles = quantity.held(&self.compiled.settings.roles, searched, value)?;
+            let space = Space::new(&roles).ok()?;
+            let problem = Problem::new(self.compiled, &space, robust);
+            let mut all: Vec<DVector<f64>> = starts
+                .iter()
+                .filter(|start| start.len() == space.freedom.free.len())
+                .map(|start| (*start).clone())
+                .collect();
+            let neighbours = all.len();
+            // A held quantity moves the follower of a link, not what is free beside it.
+            all.extend(others.iter().map(|other| space.freedom.restrict(other)));
+            lowest(&problem, &all, neighbours)
+        };
+        let at_best = quantity.held(&self.compiled.settings.roles, searched, quantity.of(&values));
+        let own = at_best.and_then(|roles| Space::new(&roles).ok()).map(|space| space.freedom.restrict(&values));
+        let start = ProfileStart {
+            value: quantity.of(&values),
+            others: own.unwrap_or_else(|| DVector::zeros(0)),
+            sum_of_squares: best.sum_of_squares(),
+            sigma: sigma.unwrap_or(BLIND * (limits.1 - limits.0)).clamp(1e-12, limits.1 - limits.0),
+            limits,
+            unit: *unit,
+        };
+        let Quantiles { sixty_eight, ninety_five } = Quantiles::of(&self.fit.outcome);
+        let found = profile(conditional, &start, &[sixty_eight, ninety_five]);
+        let parameters_at = |value: f64, others: &DVector<f64>| {
+            let roles = quantity.held(&self.compiled.settings.roles, searched, value);
+            let space = roles.and_then(|roles| Space::new(&roles).ok());
+            let space = space.filter(|space| space.freedom.free.len() == others.len());
+            space.map(|space| outside(&space.freedom.expand(others)))
+        };
+        let points: Vec<(f64, f64, [f64; COUNT])> = (found.points.iter())
+            .filter_map(|point| {
+                let parameters = parameters_at(point.value, &point.others)?;
+                Some((quantity.outside(point.value), point.excess, parameters))
+            })
+            .collect();
+        let lowest = points.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let lower = lowest.filter(|point| point.1 < -LOWER).map(|point| point.2);
+        let outside = |interval: [Option<f64>; 2]| interval.map(|end| end.map(|end| quantity.outside(end)));
+        let interval = |place: usize| found.intervals.get(place).copied().map_or([None, None], outside);
+        let profile = QuantityProfile {
+            name: quantity.name(),
+            unit: quantity.unit(),
+            best: quantity.outside(start.value),
+            sigma: sigma.map(|sigma| quantity.outside(sigma)),
+            values: points.iter().map(|point| point.0).collect(),
+            excess: points.iter().map(|point| point.1).collect(),
+            parameters: points.iter().map(|point| point.2).collect(),
+            intervals: IntervalPair { interval_68: interval(0), interval_95: interval(1) },
+            limits: [quantity.outside(limits.0), quantity.outside(limits.1)],
+            levels: [sixty_eight * sixty_eight, ninety_five * ninety_five],
+        };
+        (profile, lower)
+    }
+}
+
+/// The lowest of the minima that the starts lead to, the first `neighbours` of which are of one basin.
+fn lowest(problem: &Problem<'_>, starts: &[DVector<f64>], neighbours: usize) -> Option<Conditional> {
+    if problem.bounds().is_empty() {
+        let sum_of_squares = problem.residuals(&DVector::zeros(0)).norm_squared();
+        return Some(Conditional { sum_of_squares, others: DVector::zeros(0) });
+    }
+    let run = |start: &DVector<f64>| minimise(problem, &problem.bounds().clamp(start), CONDITIONAL);
+    let mut best: Option<Minimum> = None;
+    for (place, start) in starts.iter().enumerate() {
+        // The neighbours' extrapolation comes first; the neighbours themselves are for when that fails.
+        if place < neighbours && best.as_ref().is_some_and(|best| best.termination.was_successful()) {
+            continue;
+        }
+        let found = run(start);
+        if best.as_ref().is_none_or(|best| found.sum_of_squares() < best.sum_of_squares()) {
+            best = Some(found);
+        }
+    }
+    best.map(|best| Conditional { sum_of_squares: best.sum_of_squares(), others: best.parameters })
+}
