@@ -66,7 +66,7 @@ impl Folder {
     }
 
     /// Writes all files beside their places, then renames all of them; if one cannot be written, none is replaced.
-    pub(crate) fn write(&self, files: &[(&str, Vec<u8>)]) -> Result<()> {
+    pub(crate) fn write(&self, files: &[(String, Vec<u8>)]) -> Result<()> {
         let mut parts = Vec::new();
         for (name, bytes) in files {
             let place = self.path.join(name);
@@ -87,7 +87,7 @@ impl Folder {
     }
 
     /// Takes away files of an earlier run that this one does not make.
-    pub(crate) fn remove_stale(&self, names: &[&str]) {
+    pub(crate) fn remove_stale(&self, names: &[String]) {
         for name in names {
             let _ = fs::remove_file(self.path.join(name));
         }

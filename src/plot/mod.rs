@@ -17,6 +17,7 @@ mod error;
 pub mod fit;
 pub mod font;
 mod histogram;
+pub mod intervals;
 pub mod palette;
 pub mod panels;
 pub mod profile;

@@ -9,8 +9,9 @@ use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::Dataset;
 use morpho_fit::export::{curves_csv, fit_json};
-use morpho_fit::inversion::{Fit, FitOutcome, Parameter, Status, Verdict, fit};
+use morpho_fit::inversion::{Fit, FitOutcome, Parameter, Search, Status, Verdict, chi_square_map, fit};
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
+use morpho_fit::plot::intervals::map_figure;
 use morpho_fit::plot::{Figure, draw};
 use morpho_fit::report::{terminal, uncertainty, wording};
 use std::path::{Path, PathBuf};
@@ -48,14 +49,16 @@ fn place(args: &OutputArgs, file: &str) -> PathBuf {
     })
 }
 
-/// The charts of a fit.
-const PICTURES: [&str; 4] = ["curves.svg", "curves.png", "residuals.svg", "residuals.png"];
+/// Names of all charts, each with the ends .svg and .png.
+const PICTURES: [&str; 6] = ["curves", "residuals", "atlas", "profile", "corner", "trace"];
+/// Cells of the map of chi², each way.
+const MAP_CELLS: usize = 56;
 
 /// What was found and written.
 struct Files {
     fit: Fit,
     json: Vec<u8>,
-    names: Vec<&'static str>,
+    names: Vec<String>,
 }
 
 fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: UncertaintyWord) -> Result<Files> {
@@ -66,14 +69,16 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }
-    tell("writing the results");
-    let mut files = vec![("curves.csv", curves_csv(data, &fit)?)];
+    let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
+    let title = format!("{name}: {}", wording::verdict(&fit.outcome));
+    let mut files = vec![("curves.csv".to_owned(), curves_csv(data, &fit)?)];
     if !args.output.no_plots {
-        files.extend(plots(file, data, &fit)?);
+        tell("drawing the charts");
+        files.extend(drawn(figures(data, &fit, &title)?)?);
     }
-    let mut names: Vec<&'static str> = files.iter().map(|(name, _)| *name).collect();
+    let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
     let mut json = fit_json(&fit.outcome)?;
-    files.push(("fit.json", json.clone()));
+    files.push(("fit.json".to_owned(), json.clone()));
     // What stands is written before the long work begins.
     folder.write(&files)?;
     let methods = Methods::of(&args.uncertainty, command);
@@ -82,29 +87,42 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
         json = fit_json(&fit.outcome)?;
         let mut files = intervals.files()?;
         if !args.output.no_plots {
-            files.extend(intervals.plots(&fit)?);
+            files.extend(drawn(intervals.figures(&fit.outcome, &title)?)?);
         }
-        names.extend(files.iter().map(|(name, _)| *name));
-        files.push(("fit.json", json.clone()));
+        names.extend(files.iter().map(|(name, _)| name.clone()));
+        files.push(("fit.json".to_owned(), json.clone()));
         folder.write(&files)?;
     }
-    names.insert(0, "fit.json");
-    let stale: Vec<&str> = PICTURES.iter().chain(&FILES).copied().filter(|name| !names.contains(name)).collect();
-    folder.remove_stale(&stale);
+    names.insert(0, "fit.json".to_owned());
+    let pictures = PICTURES.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
+    let all = pictures.chain(FILES.map(str::to_owned));
+    folder.remove_stale(&all.filter(|name| !names.contains(name)).collect::<Vec<String>>());
     Ok(Files { fit, json, names })
 }
 
-fn plots(file: &str, data: &Dataset, fit: &Fit) -> Result<Vec<(&'static str, Vec<u8>)>> {
-    let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
-    let title = format!("{name}: {}", wording::verdict(&fit.outcome));
+/// The charts that every fit has.
+fn figures(data: &Dataset, fit: &Fit, title: &str) -> Result<Vec<(&'static str, Figure)>> {
     let values = wording::values(&fit.outcome);
-    let picture = |figure: Figure, svg, png| -> Result<[(&'static str, Vec<u8>); 2]> {
+    let mut figures = vec![
+        ("curves", curves_figure(data, fit, title, &values)),
+        ("residuals", residuals_figure(data, fit, title, &values)),
+    ];
+    if fit.outcome.settings.search == Search::Global
+        && let Some(map) = chi_square_map(data, fit, MAP_CELLS)?
+    {
+        figures.push(("atlas", map_figure(&map, &fit.outcome, title)?));
+    }
+    Ok(figures)
+}
+
+/// Each figure as SVG and PNG.
+fn drawn(figures: Vec<(&'static str, Figure)>) -> Result<Vec<(String, Vec<u8>)>> {
+    let mut files = Vec::new();
+    for (name, figure) in figures {
         let picture = draw(&figure)?;
-        Ok([(svg, picture.svg.into_bytes()), (png, picture.png)])
-    };
-    let curves = picture(curves_figure(data, fit, &title, &values), PICTURES[0], PICTURES[1])?;
-    let residuals = picture(residuals_figure(data, fit, &title, &values), PICTURES[2], PICTURES[3])?;
-    Ok(curves.into_iter().chain(residuals).collect())
+        files.extend([(format!("{name}.svg"), picture.svg.into_bytes()), (format!("{name}.png"), picture.png)]);
+    }
+    Ok(files)
 }
 
 fn outcome(found: &FitOutcome) -> Outcome {

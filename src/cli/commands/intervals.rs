@@ -8,7 +8,9 @@ use morpho_fit::inversion::intervals::{
     Bootstrap, BootstrapSettings, Posterior, PosteriorSettings, Profiles, Resampling, UncertaintyFound, bootstrap,
     compare, posterior, profiles,
 };
-use morpho_fit::inversion::{Fit, Verdict};
+use morpho_fit::inversion::{Fit, FitOutcome, Verdict};
+use morpho_fit::plot::Figure;
+use morpho_fit::plot::intervals::{posterior_corner, posterior_trace, profiles_figure};
 
 /// Files that intervals leave.
 pub(crate) const FILES: [&str; 3] = ["profile.csv", "bootstrap.csv", "posterior.csv"];
@@ -81,22 +83,30 @@ impl Intervals {
     }
 
     /// The numbers behind the intervals.
-    pub(crate) fn files(&self) -> Result<Vec<(&'static str, Vec<u8>)>> {
+    pub(crate) fn files(&self) -> Result<Vec<(String, Vec<u8>)>> {
         let mut files = Vec::new();
         if let Some(profiles) = &self.profiles {
-            files.push((FILES[0], profile_csv(profiles)?));
+            files.push((FILES[0].to_owned(), profile_csv(profiles)?));
         }
         if !self.bootstraps.is_empty() {
-            files.push((FILES[1], bootstrap_csv(&self.bootstraps)?));
+            files.push((FILES[1].to_owned(), bootstrap_csv(&self.bootstraps)?));
         }
         if let Some(posterior) = &self.posterior {
-            files.push((FILES[2], posterior_csv(posterior)?));
+            files.push((FILES[2].to_owned(), posterior_csv(posterior)?));
         }
         Ok(files)
     }
 
     /// Charts of them.
-    pub(crate) fn plots(&self, _fit: &Fit) -> Result<Vec<(&'static str, Vec<u8>)>> {
-        Ok(Vec::new())
+    pub(crate) fn figures(&self, outcome: &FitOutcome, title: &str) -> Result<Vec<(&'static str, Figure)>> {
+        let mut figures = Vec::new();
+        if let Some(profiles) = &self.profiles {
+            figures.push(("profile", profiles_figure(profiles, title)?));
+        }
+        if let Some(posterior) = self.posterior.as_ref().filter(|posterior| !posterior.samples.is_empty()) {
+            figures.push(("corner", posterior_corner(posterior, outcome, title)?));
+            figures.push(("trace", posterior_trace(posterior, title)?));
+        }
+        Ok(figures)
     }
 }
