@@ -6,7 +6,7 @@ use crate::inversion::fit::FitError;
 use crate::inversion::outcome::{Fit, MinimumFound};
 use crate::inversion::parameter::{COUNT, Parameter, Role, outside};
 use crate::inversion::problem::Problem;
-use crate::inversion::search::{self, COARSE};
+use crate::inversion::search::{self, COARSE, Cell};
 use crate::inversion::space::Space;
 use crate::optimise::{LeastSquares, Minimum, minimise};
 use crate::uncertainty::covariance::regularised;
@@ -28,6 +28,8 @@ const UPRIGHT: f64 = 1e-3;
 const ORDER: f64 = 0.03;
 /// Readings that a map looks at.
 const MAP_READINGS: usize = 240;
+/// One cell in so many, the best ones, is polished.
+const POLISHED: usize = 6;
 
 /// How another minimum is related to the best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -174,8 +176,9 @@ pub struct ChiSquareMap {
 
 /// The map of chi² over the bounds of the two thicknesses, in `cells` by `cells` cells; `None` unless both were searched.
 ///
-/// Each cell shows the least chi² within it, as far as a run of the solver from its middle finds it. The search looks at
-/// some 240 readings; Δchi² is brought to the number of all.
+/// A cell shows chi² at its middle with the best of the other parameters on a grid, and the best sixth of the cells the
+/// least chi² within, as a run of the solver finds it. The map looks at some 240 readings; Δchi² is brought to the number
+/// of all.
 ///
 /// # Errors
 /// [`FitError`] if `data` are not those of `fit`.
@@ -206,17 +209,23 @@ pub fn chi_square_map(data: &Dataset, fit: &Fit, cells: usize) -> Result<Option<
         .flat_map(|cuticle| d_air_edges.windows(2).map(move |air| [air[0], air[1], cuticle[0], cuticle[1]]))
         .collect();
     let middles: Vec<Vec<f64>> = corners.iter().map(|c| vec![0.5 * (c[0] + c[1]), 0.5 * (c[2] + c[3])]).collect();
-    let starts = search::best_of_the_rest(&solution.searched, &thin.plan, &thin.linear, &middles);
-    let jobs: Vec<([f64; 4], Option<[f64; COUNT]>)> = corners.into_iter().zip(starts).collect();
-    let least = |(corner, start): &([f64; 4], Option<[f64; COUNT]>)| {
-        let Some(start) = start else { return f64::INFINITY };
+    let grid = search::best_of_the_rest(&solution.searched, &thin.plan, &thin.linear, &middles);
+    let mut costs: Vec<f64> = grid.iter().map(|cell| cell.cost).collect();
+    costs.sort_by(f64::total_cmp);
+    let polished = costs.get(costs.len() / POLISHED).copied().unwrap_or(f64::INFINITY);
+    let jobs: Vec<([f64; 4], Cell)> = corners.into_iter().zip(grid).collect();
+    let least = |(corner, cell): &([f64; 4], Cell)| {
+        let excess = |cost: f64| ((cost - reference) * factor).max(0.0);
+        if !cell.cost.is_finite() || cell.cost > polished {
+            return excess(cell.cost);
+        }
         let mut roles = roles;
         roles[Parameter::DAir.index()] = Role::Free { lower: corner[0], upper: corner[1] };
         roles[Parameter::DCuticle.index()] = Role::Free { lower: corner[2], upper: corner[3] };
-        let Ok(space) = Space::new(&roles) else { return f64::INFINITY };
+        let Ok(space) = Space::new(&roles) else { return excess(cell.cost) };
         let problem = Problem::new(&thin, &space, &[]);
-        let found = minimise(&problem, &space.bounds.clamp(&space.freedom.restrict(start)), COARSE);
-        ((found.sum_of_squares() - reference) * factor).max(0.0)
+        let found = minimise(&problem, &space.bounds.clamp(&space.freedom.restrict(&cell.values)), COARSE);
+        excess(found.sum_of_squares().min(cell.cost))
     };
     let flat: Vec<f64> = jobs.par_iter().map(least).collect();
     let excess = flat.chunks(cells).map(<[f64]>::to_vec).collect();

@@ -157,9 +157,9 @@ fn mirrored(values: &[f64; COUNT], space: &Space) -> Option<DVector<f64>> {
 
 /// One cell of the grid: its best point and the sum of squares there.
 #[derive(Debug, Clone)]
-struct Cell {
-    cost: f64,
-    values: [f64; COUNT],
+pub(crate) struct Cell {
+    pub(crate) cost: f64,
+    pub(crate) values: [f64; COUNT],
 }
 
 /// Middles of `count` equal slices of `[lower, upper]`, or slices of equal ratio.
@@ -230,17 +230,17 @@ fn finer(space: &Space, plan: &Plan<'_>, linear: &LinearPart, cells: &[Cell]) ->
     scan(space, plan, linear, &cells.iter().map(of).collect::<Vec<_>>(), &combinations(&axes[outer..]))
 }
 
-/// The best of the other parameters, on the grid, for each of `thicknesses`; `None` where the model has no value.
+/// The best of the other parameters, on the grid, for each of `thicknesses`, in their order; of infinite cost where the
+/// model has no value.
 pub(crate) fn best_of_the_rest(
     space: &Space,
     plan: &Plan<'_>,
     linear: &LinearPart,
     thicknesses: &[Vec<f64>],
-) -> Vec<Option<[f64; COUNT]>> {
+) -> Vec<Cell> {
     let axes = axes(space, plan, COARSER);
     let inner = combinations(&axes[self::thicknesses(space)..]);
-    let of = |cell: Cell| cell.cost.is_finite().then_some(cell.values);
-    cells(space, plan, linear, thicknesses, &inner).into_iter().map(of).collect()
+    cells(space, plan, linear, thicknesses, &inner)
 }
 
 /// How many of the free parameters are thicknesses; they come first.
