@@ -52,10 +52,10 @@ pub(super) fn contour(x: &[f64], y: &[f64], values: &[f64], level: f64) -> (Vec<
         let mut here = start;
         let mut length = 0;
         while let Some(next) = neighbours.get_mut(&here).and_then(Vec::pop) {
-            if let Some(back) = neighbours.get_mut(&next) {
-                if let Some(index) = back.iter().position(|&side| side == here) {
-                    back.swap_remove(index);
-                }
+            if let Some(back) = neighbours.get_mut(&next)
+                && let Some(index) = back.iter().position(|&side| side == here)
+            {
+                back.swap_remove(index);
             }
             if length == 0 {
                 let (px, py) = place(start);
@@ -88,9 +88,9 @@ fn crossings(column: usize, row: usize, level: f64, value: &impl Fn(usize, usize
         [(column, row, false), (column + 1, row, true), (column, row + 1, false), (column, row, true)];
     let crossed: Vec<Side> =
         (0..4).filter(|&k| inside[k] != inside[(k + 1) % 4]).filter_map(|k| sides.get(k).copied()).collect();
-    match crossed.as_slice() {
-        &[from, to] => vec![(from, to)],
-        &[bottom, right, top, left] => {
+    match *crossed.as_slice() {
+        [from, to] => vec![(from, to)],
+        [bottom, right, top, left] => {
             let middle_inside = corners.iter().sum::<f64>() / 4.0 < level;
             if middle_inside == inside[0] {
                 vec![(bottom, right), (top, left)]

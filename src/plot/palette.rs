@@ -21,7 +21,7 @@ pub const OKABE_ITO: [RGBColor; 8] = [
 /// Viridis at 17 equal steps; between them the colours are mixed in sRGB, at most 6 of 255 in a channel from the full table.
 ///
 /// # Source
-/// Smith and van der Walt, *A better default colormap for Matplotlib* (SciPy 2015), the table of matplotlib, CC0.
+/// Smith and van der Walt, *A better default colormap for Matplotlib* (`SciPy` 2015), the table of matplotlib, CC0.
 pub const VIRIDIS: [RGBColor; 17] = [
     RGBColor(68, 1, 84),
     RGBColor(72, 24, 106),

@@ -158,8 +158,8 @@ impl Default for LineSeries {
 /// # Errors
 /// [`PlotError::NoPanels`], [`PlotError::NoColumns`], [`PlotError::PlotSize`], [`PlotError::LengthMismatch`],
 /// [`PlotError::ReversedRange`], [`PlotError::LineWidth`], [`PlotError::Edges`], [`PlotError::CellCount`],
-/// [`PlotError::ColourRange`] or [`PlotError::BadgeLength`] if the figure contradicts the descriptions of its fields; [`PlotError::PictureSize`] if
-/// it has too many panels or too long texts for one picture; the errors of [`picture`].
+/// [`PlotError::ColourRange`] or [`PlotError::BadgeLength`] if the figure contradicts the descriptions of its fields;
+/// [`PlotError::PictureSize`] if it has too many panels or too long texts for one picture; the errors of [`picture`].
 pub fn draw(figure: &Figure) -> Result<Picture, PlotError> {
     validate::validate(figure)?;
     let layout = layout::Layout::of(figure)?;

@@ -15,6 +15,8 @@ const COLOURS: f64 = 96.0;
 /// Room between the plot and the bar, and width of the bar.
 const BAR_GAP: f64 = 12.0;
 const BAR_WIDTH: f64 = 16.0;
+/// How much higher than that of an axis the power of ten stands: the uppermost tick label is below it.
+const ABOVE_TICK: f64 = 5.0;
 /// Ticks of the bar are at least this far apart.
 const BETWEEN_TICKS: f64 = 36.0;
 
@@ -146,13 +148,13 @@ impl ColourBar {
             let baseline = at + CAPITALS / 2.0 * TICK_EM;
             canvas.text((to + TICK_LENGTH + TICK_GAP, baseline), &tick.label, style);
         }
-        canvas.text((to, top - factor_gap), &self.factor, style);
+        canvas.text((to, top - factor_gap - ABOVE_TICK), &self.factor, style);
         let label_left = to + TICK_LENGTH + TICK_GAP + self.tick_width + LABEL_GAP;
         self.label.paint(canvas, (label_left, f64::midpoint(top, bottom)));
     }
 
     /// Height of the power of ten above the bar.
     pub(super) fn factor_height(&self) -> f64 {
-        if self.has_factor() { TICK_EM * LEADING } else { 0.0 }
+        if self.has_factor() { TICK_EM * LEADING + ABOVE_TICK } else { 0.0 }
     }
 }

@@ -16,8 +16,11 @@ fn one(panel: Panel) -> Figure {
     Figure { panels: vec![panel], ..Figure::default() }
 }
 
-/// Colours of the rectangles of a figure, with their corners.
-fn rectangles(figure: &Figure) -> Vec<((f64, f64), (f64, f64), plotters::style::RGBColor)> {
+/// Upper left and lower right corner of a rectangle, and its colour.
+type Cell = ((f64, f64), (f64, f64), plotters::style::RGBColor);
+
+/// The rectangles of a figure, in the order in which they are drawn.
+fn rectangles(figure: &Figure) -> Vec<Cell> {
     let corners = |mark| if let Mark::Rectangle { from, to, colour } = mark { Some((from, to, colour)) } else { None };
     marks(figure).0.into_iter().filter_map(corners).collect()
 }
@@ -29,7 +32,7 @@ fn cells_have_the_colours_of_their_values_and_equal_neighbours_are_one() {
     // The upper left cell is the highest, the lower row the lowest; the upper right one is empty.
     assert_eq!(drawn.iter().map(|cell| cell.2).collect::<Vec<_>>(), [VIRIDIS[16], VIRIDIS[0]]);
     let (upper, lower) = (drawn[0], drawn[1]);
-    let width = |cell: ((f64, f64), (f64, f64), _)| cell.1.0 - cell.0.0;
+    let width = |cell: Cell| cell.1.0 - cell.0.0;
     assert!((width(lower) - 2.0 * width(upper)).abs() < 1e-9, "the map fills the panel");
     assert!(upper.1.1 > lower.0.1, "no seam");
 }
@@ -50,7 +53,7 @@ fn bars_stand_on_the_axis_and_in_the_legend() {
     let figure = one(Panel { bars: vec![bars], ..Panel::default() });
     let [first, second, ..] = rectangles(&figure)[..] else { panic!("two bars") };
     assert!((first.1.1 - second.1.1).abs() < 1e-9, "one foot");
-    let height = |bar: ((f64, f64), (f64, f64), _)| bar.1.1 - bar.0.1;
+    let height = |bar: Cell| bar.1.1 - bar.0.1;
     assert!((height(first) - 2.0 * height(second)).abs() < 1e-9);
     assert!(draw(&figure).unwrap().svg.contains("\nsamples\n"));
 }
