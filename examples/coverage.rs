@@ -40,7 +40,7 @@ const QUANTITIES: [&str; 7] = ["d_air", "d_cuticle", "delta", "phi_alpha", "lame
 
 /// A design of measurement with the choices of its fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Design {
+pub(crate) enum Design {
     /// A spectrum and an angular scan in each plane: all five.
     Full,
     /// Spectra in the mirror direction at five angles along the ridges: thicknesses and tilt.
@@ -50,9 +50,9 @@ pub enum Design {
 }
 
 impl Design {
-    pub const ALL: [Self; 3] = [Self::Full, Self::Spectra, Self::W2];
+    pub(crate) const ALL: [Self; 3] = [Self::Full, Self::Spectra, Self::W2];
 
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Full => "full",
             Self::Spectra => "spectra",
@@ -106,27 +106,27 @@ struct Held {
 
 /// The counts of one design.
 #[derive(Debug, Clone)]
-pub struct Study {
-    pub design: Design,
-    pub sets: usize,
+pub(crate) struct Study {
+    pub(crate) design: Design,
+    pub(crate) sets: usize,
     /// Data sets in which each quantity was determined.
-    pub determined: [usize; 7],
+    pub(crate) determined: [usize; 7],
     /// Of these, how often the intervals held the truth: quantity, method, level.
-    pub covered: [[[usize; 2]; 3]; 7],
+    pub(crate) covered: [[[usize; 2]; 3]; 7],
     /// Ranks of the truth in the posterior, for each parameter.
-    pub ranks: [[usize; BINS]; COUNT],
+    pub(crate) ranks: [[usize; BINS]; COUNT],
     /// Posteriors that did not converge.
-    pub unconverged: usize,
+    pub(crate) unconverged: usize,
 }
 
 impl Study {
     /// Coverage in per cent: 68.3 % and 95 %.
-    pub fn coverage(&self, quantity: usize, method: usize) -> [f64; 2] {
+    pub(crate) fn coverage(&self, quantity: usize, method: usize) -> [f64; 2] {
         self.covered[quantity][method].map(|count| 100.0 * count as f64 / self.determined[quantity].max(1) as f64)
     }
 
     /// chi² of the ranks of a parameter against an even histogram, and the probability of a larger one.
-    pub fn evenness(&self, parameter: usize) -> (f64, f64) {
+    pub(crate) fn evenness(&self, parameter: usize) -> (f64, f64) {
         let ranks = &self.ranks[parameter];
         let expected = ranks.iter().sum::<usize>() as f64 / BINS as f64;
         let chi2 = ranks.iter().map(|&count| (count as f64 - expected).powi(2) / expected).sum::<f64>();
@@ -135,7 +135,7 @@ impl Study {
 }
 
 /// Runs a design with `sets` data sets; each set has a seed of its own, so that the same call gives the same counts.
-pub fn study(design: Design, sets: usize, seed: u64) -> Result<Study, Box<dyn Error + Send + Sync>> {
+pub(crate) fn study(design: Design, sets: usize, seed: u64) -> Result<Study, Box<dyn Error + Send + Sync>> {
     let settings = design.settings();
     let (lower, upper): (Vec<f64>, Vec<f64>) = (settings.roles.iter())
         .map(|role| match *role {
@@ -234,7 +234,7 @@ fn data_set(
 }
 
 /// The table as CSV.
-pub fn table(studies: &[Study], seed: u64) -> String {
+pub(crate) fn table(studies: &[Study], seed: u64) -> String {
     let version = env!("CARGO_PKG_VERSION");
     let mut text = format!("# morpho-fit {version}, seed {seed}, noise {NOISE} of the peak\n");
     text.push_str("design,sets,quantity,determined,method,coverage_68_percent,coverage_95_percent,within_bands\n");
@@ -255,7 +255,7 @@ pub fn table(studies: &[Study], seed: u64) -> String {
 }
 
 /// The histograms of ranks as CSV.
-pub fn ranks(study: &Study, seed: u64) -> String {
+pub(crate) fn ranks(study: &Study, seed: u64) -> String {
     let version = env!("CARGO_PKG_VERSION");
     let mut text = format!(
         "# morpho-fit {version}, seed {seed}, design {}, {} data sets, ranks among {DRAWS} draws\n",

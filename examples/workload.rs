@@ -9,6 +9,7 @@
 
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::{Geometry, Polarization};
+use morpho_fit::inversion::intervals::{PosteriorSettings, posterior};
 use morpho_fit::inversion::{
     Extent, FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
 };
@@ -23,7 +24,7 @@ use std::time::Instant;
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> Result<()> {
-    let name = std::env::args().nth(1).ok_or("which workload? w1, w2, w3, w3b or w5")?;
+    let name = std::env::args().nth(1).ok_or("which workload? w1, w2, w3, w3b, w4 or w5")?;
     let definition = PathBuf::from(std::env::var("MORPHO_WORKLOAD")?);
     let variant = std::env::var("MORPHO_VARIANT").unwrap_or_default();
     let workload: Value = serde_json::from_str(&std::fs::read_to_string(&definition)?)?;
@@ -32,6 +33,7 @@ fn main() -> Result<()> {
         "w1" => stack_samples(&workload, &variant)?,
         "w2" => one_fit(&workload, folder, &variant)?,
         "w3" | "w3b" => global_fits(&workload, folder, name == "w3b")?,
+        "w4" => posterior_of_w2(&workload, folder)?,
         "w5" => pixels(&workload, folder, &variant)?,
         other => return Err(format!("this program has no workload {other} yet").into()),
     };
@@ -166,6 +168,38 @@ pub(crate) fn one_fit(workload: &Value, folder: &Path, variant: &str) -> Result<
     times.sort_by(f64::total_cmp);
     let (seconds, x, chi2) = (times[times.len() / 2], values(&found), found.chi2);
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "x": x, "chi2": chi2, "nev": found.evaluations }))
+}
+
+/// W4: the posterior of W2 from its minimum, flat within its bounds.
+pub(crate) fn posterior_of_w2(workload: &Value, folder: &Path) -> Result<Value> {
+    let table = columns(&folder.join("w2_data.csv"))?;
+    let data = dataset(workload, &table[4], number(&workload["sigma"])?)?;
+    let start = numbers(&workload["starts"]["mixed"])?;
+    let settings = start_at(&settings(workload, Extent::None)?, &start);
+    let found = fit(&data, &settings, &|_| {})?;
+    let clock = Instant::now();
+    let sampled =
+        posterior(&data, &found, &PosteriorSettings { effective: 8000, ..PosteriorSettings::new(1) }, &|_| {})?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let of_free = sampled.names.iter().take_while(|name| Parameter::from_name(name).is_some()).count();
+    let steps = sampled.samples.len() / sampled.chains.max(1);
+    if let Ok(path) = std::env::var("MORPHO_OUT") {
+        let at = |step: usize, walker: usize| &sampled.samples[walker * steps + step][..of_free];
+        let all = (0..steps).flat_map(|step| (0..sampled.chains).flat_map(move |walker| at(step, walker)));
+        std::fs::write(path, all.flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
+    }
+    let column = |index: usize| sampled.samples.iter().map(move |row| row[index]);
+    let count = sampled.samples.len() as f64;
+    let mean: Vec<f64> = (0..of_free).map(|index| column(index).sum::<f64>() / count).collect();
+    let spread = |index: usize| (column(index).map(|x| (x - mean[index]).powi(2)).sum::<f64>() / count).sqrt();
+    let sd: Vec<f64> = (0..of_free).map(spread).collect();
+    let bulk = sampled.convergence.iter().take(of_free).map(|one| one.map_or(0.0, |one| one.bulk));
+    let effective = bulk.fold(f64::INFINITY, f64::min);
+    Ok(json!({
+        "seconds": seconds, "cpu_seconds": seconds, "walkers": sampled.chains, "mean": mean, "sd": sd,
+        "effective": effective, "evaluations": sampled.evaluations, "samples": sampled.samples.len(),
+        "converged": sampled.converged,
+    }))
 }
 
 pub(crate) fn global_fits(workload: &Value, folder: &Path, scaled: bool) -> Result<Value> {

@@ -50,6 +50,27 @@ fn w3_finds_the_global_minimum_in_20_of_20() {
     assert_eq!(found["successes"], 20);
 }
 
+/// Means, standard deviations and correlations of emcee with an independent model, within the Monte-Carlo error of both.
+#[test]
+fn w4_has_the_posterior_that_emcee_finds() {
+    let found = workload::posterior_of_w2(&definition(&folder(), "w2.json"), &folder()).unwrap();
+    assert_eq!(found["converged"], true);
+    let (means, sds) = (list(&found["mean"]), list(&found["sd"]));
+    let ours = found["effective"].as_f64().unwrap();
+    let path = folder().parent().unwrap().join("posterior_w2.csv");
+    let mut rows = csv::Reader::from_path(path).unwrap();
+    for (place, row) in rows.records().map(Result::unwrap).enumerate() {
+        let number = |column: usize| row[column].parse::<f64>().unwrap();
+        let (name, mean, sd, effective) = (&row[0], number(1), number(2), number(3));
+        let error = (1.0 / ours + 1.0 / effective).sqrt();
+        assert!((means[place] - mean).abs() < 4.0 * error * sd, "{name}: {} for {mean}", means[place]);
+        assert!((sds[place] / sd - 1.0).abs() < 4.0 * error / 2.0_f64.sqrt(), "{name}: sd {} for {sd}", sds[place]);
+    }
+    // The best sampler in the workloads' own table makes 0.11 effective samples of an evaluation.
+    let each = ours / found["evaluations"].as_f64().unwrap();
+    assert!(each > 0.11, "{each} effective samples for each evaluation");
+}
+
 #[test]
 fn w5_fits_all_of_1000_pixels() {
     let workload = definition(&folder(), "w5.json");

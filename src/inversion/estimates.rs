@@ -32,6 +32,7 @@ const LEAK: f64 = 0.05;
 #[derive(Debug)]
 pub(crate) struct Found<'a> {
     pub(crate) compiled: &'a Compiled<'a>,
+    pub(crate) solution: &'a Solution,
     pub(crate) data: &'a Dataset,
     pub(crate) settings: &'a FitSettings,
     pub(crate) plan: &'a Plan<'a>,
@@ -52,6 +53,7 @@ impl<'a> Found<'a> {
     pub(crate) fn new(compiled: &'a Compiled<'a>, solution: &'a Solution) -> Self {
         Self {
             compiled,
+            solution,
             data: compiled.data,
             settings: compiled.settings,
             plan: &compiled.plan,

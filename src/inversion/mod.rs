@@ -1,6 +1,7 @@
 //! The inverse problem: from a measured data set to the structure that made it. The one join of optics, data and optimiser.
 
 mod atlas;
+mod combinations;
 mod compiled;
 mod estimates;
 mod fit;
@@ -21,6 +22,7 @@ mod undetermined;
 mod wording;
 
 pub use atlas::{ChiSquareMap, Relation, chi_square_map};
+pub use combinations::Combination;
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use outcome::{

@@ -1,6 +1,7 @@
 //! What a fit found, in the user's units, ready to be written as `fit.json`.
 
 use crate::inversion::atlas::Relation;
+use crate::inversion::combinations::Combination;
 use crate::inversion::intervals::UncertaintyFound;
 use crate::inversion::settings::FitSettings;
 use crate::inversion::solution::Solution;
@@ -187,6 +188,8 @@ pub struct IdentifiabilityFound {
     pub condition: Option<f64>,
     /// What is not determined, as sentences.
     pub undetermined: Vec<String>,
+    /// What is determined, in principal directions, the stiffest first.
+    pub combinations: Vec<Combination>,
 }
 
 /// One linear nuisance.

@@ -1,6 +1,7 @@
 //! From a minimum to what is said about it: verdict, warnings, minima, curves.
 
 use crate::inversion::atlas::listed;
+use crate::inversion::combinations::combinations;
 use crate::inversion::estimates::{Found, Uncertainty, as_good, index_ratio};
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{
@@ -307,6 +308,7 @@ fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
         rank: found.searched.freedom.free.len() - found.held.len(),
         condition: Some(analysis.condition).filter(|condition| condition.is_finite()),
         undetermined: held.into_iter().map(|held| wording::undetermined(held, ratio)).collect(),
+        combinations: combinations(found.solution, unit),
     }
 }
 

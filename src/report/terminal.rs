@@ -38,7 +38,7 @@ pub fn text(fit: &Fit, width: usize) -> String {
     }
     report.push_str(&parameters(outcome));
     report.push('\n');
-    for line in [nuisances(&outcome.nuisance), goodness(outcome), data(outcome)] {
+    for line in [stiffness(outcome), nuisances(&outcome.nuisance), goodness(outcome), data(outcome)] {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
     report.push_str(&rivals(outcome, width));
@@ -74,6 +74,16 @@ fn row(name: &str, estimate: &Estimate) -> [String; 6] {
         }
     };
     [name.to_owned(), value, sigma, estimate.unit.clone(), wording::interval(estimate), wording::status(estimate)]
+}
+
+/// The best and the worst known combination of parameters.
+fn stiffness(outcome: &FitOutcome) -> String {
+    let all = &outcome.identifiability.combinations;
+    let (Some(stiff), Some(sloppy), true) = (all.first(), all.last(), all.len() > 1) else { return String::new() };
+    if outcome.verdict == Verdict::NotConverged || outcome.verdict == Verdict::NoThickness {
+        return String::new();
+    }
+    format!("stiffest: {}; sloppiest: {}", wording::combination(stiff), wording::combination(sloppy))
 }
 
 fn nuisances(found: &[NuisanceFound]) -> String {

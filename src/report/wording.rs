@@ -1,7 +1,7 @@
 //! Sentences about a fit: the verdict, the status of a parameter, the values in one line.
 
 use super::digits::{plain, to_place_of, with_sigma};
-use crate::inversion::{Estimate, FitOutcome, SigmaSource, Status, Verdict};
+use crate::inversion::{Combination, Estimate, FitOutcome, SigmaSource, Status, Verdict};
 
 /// The verdict as a sentence without a full stop, the first line of every report.
 #[must_use]
@@ -108,6 +108,39 @@ pub fn interval(estimate: &Estimate) -> String {
         Some([None, Some(high)]) => format!("below {}", number(high)),
         Some([None, None]) => "all of the bounds".to_owned(),
     }
+}
+
+/// A combination of parameters with its precision: `d_air + 1.52·d_cuticle to 0.014 %`, `lamella_width to 1.2 % of its
+/// bounds`.
+#[must_use]
+pub fn combination(found: &Combination) -> String {
+    let term = |(place, (name, coefficient)): (usize, (&String, &f64))| {
+        let sign = match (place, *coefficient < 0.0) {
+            (0, _) => "",
+            (_, true) => " - ",
+            (_, false) => " + ",
+        };
+        let size = coefficient.abs();
+        let factor = if place == 0 { String::new() } else { format!("{}·", plain((size * 1e3).round() / 1e3)) };
+        format!("{sign}{factor}{name}")
+    };
+    let thicknesses = found.names.iter().all(|name| name.starts_with("d_"));
+    let per_cent = |share: f64| plain(to_two_digits(100.0 * share));
+    if !thicknesses && found.names.len() > 1 {
+        let names: Vec<&str> = found.names.iter().map(String::as_str).collect();
+        return format!("{} together to {} % of their bounds", list(&names), per_cent(found.of_range));
+    }
+    let sum: String = found.names.iter().zip(&found.coefficients).enumerate().map(term).collect();
+    match found.relative {
+        Some(relative) => format!("{sum} to {} %", per_cent(relative)),
+        None if thicknesses => format!("{sum} to {} nm", plain(to_two_digits(found.sigma))),
+        None => format!("{sum} to {} % of its bounds", per_cent(found.of_range)),
+    }
+}
+
+/// The number with two significant digits.
+fn to_two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 /// What was found, in one line: `d_air 141.04 ± 0.27 nm, …`; what is fixed or not determined is left out.

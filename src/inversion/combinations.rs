@@ -1,0 +1,63 @@
+//! Stiff and sloppy: the combinations of parameters that the data hold, the best known first.
+//!
+//! In units of each parameter's range the covariance has principal directions; along each the parameters are known
+//! independently of all others. The optical sum of the layers is typically thirty times stiffer than their split.
+
+use crate::inversion::parameter::Parameter;
+use crate::inversion::solution::Solution;
+use crate::uncertainty::identifiability::{Direction, Identifiability};
+use serde::{Deserialize, Serialize};
+
+/// A parameter with a smaller share of a direction than this, of the largest, is not named.
+const NAMED: f64 = 0.1;
+
+/// A principal direction of what is known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Combination {
+    /// Names of the parameters that take part, the strongest first.
+    pub names: Vec<String>,
+    /// Their coefficients, in the user's units, that of the first being 1.
+    pub coefficients: Vec<f64>,
+    /// Value of `sum coefficient · parameter`, in the unit of the first.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sigma: f64,
+    /// The standard deviation as a share of the value, where all are thicknesses that add up.
+    pub relative: Option<f64>,
+    /// The standard deviation along the direction as a share of the bounds' ranges.
+    pub of_range: f64,
+}
+
+/// The directions of what was determined, the stiffest first; `unit` is the standard deviation of a weighted residual.
+pub(crate) fn combinations(solution: &Solution, unit: f64) -> Vec<Combination> {
+    let space = &solution.space;
+    let values = space.freedom.expand(&solution.best.parameters);
+    let analysis = Identifiability::new(&(&solution.best.triangle / unit), &space.ranges);
+    let of = |direction: &Direction| {
+        let parts = direction.parts();
+        let strongest = *parts.first()?;
+        let largest = direction.components[strongest].abs();
+        let taking: Vec<usize> =
+            parts.into_iter().filter(|&part| direction.components[part].abs() >= NAMED * largest).collect();
+        let parameters: Vec<Parameter> = taking.iter().map(|&part| space.freedom.free[part]).collect();
+        // d(combination)/d(parameter) for a step of one range along the direction, in the user's units.
+        let slope = |part: usize| direction.components[part] / space.freedom.free[part].outside(space.ranges[part]);
+        let first = slope(strongest);
+        let coefficients: Vec<f64> = taking.iter().map(|&part| slope(part) / first).collect();
+        let value = (parameters.iter().zip(&coefficients))
+            .map(|(parameter, coefficient)| coefficient * parameter.outside(values[parameter.index()]))
+            .sum::<f64>();
+        let sigma = direction.deviation / first.abs();
+        let thicknesses = parameters.iter().all(|p| matches!(p, Parameter::DAir | Parameter::DCuticle));
+        let adds_up = thicknesses && coefficients.iter().all(|coefficient| *coefficient > 0.0);
+        sigma.is_finite().then(|| Combination {
+            names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
+            coefficients,
+            value,
+            sigma,
+            relative: adds_up.then(|| sigma / value),
+            of_range: direction.deviation,
+        })
+    };
+    analysis.directions.iter().filter_map(of).collect()
+}
