@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 /// A correlation beyond this is a status of its own.
 const CORRELATED: f64 = 0.99;
 /// Minima within this chi² of the best fit as well: three standard deviations of one parameter.
-const AS_GOOD: f64 = 9.0;
+pub(crate) const AS_GOOD: f64 = 9.0;
 /// A value at another minimum is another value if it lies off by more standard deviations than this, ...
 const ELSEWHERE: f64 = 3.0;
 /// ... and by more than this share of a change that matters.
@@ -114,11 +114,15 @@ fn mark_ambiguous(
 }
 
 /// Real indices of gap and cuticle at the middle wavelength of the data.
-fn indices(found: &Found<'_>) -> (f64, f64) {
-    let mut wavelengths: Vec<f64> = found.data.readings().iter().map(|reading| reading.wavelength).collect();
+pub(crate) fn indices_of(data: &Dataset, model: &dyn ReflectivityModel) -> (f64, f64) {
+    let mut wavelengths: Vec<f64> = data.readings().iter().map(|reading| reading.wavelength).collect();
     wavelengths.sort_by(f64::total_cmp);
     let middle = wavelengths.get(wavelengths.len() / 2).copied().unwrap_or(550.0);
-    found.model.stack().media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
+    model.stack().media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
+}
+
+fn indices(found: &Found<'_>) -> (f64, f64) {
+    indices_of(found.data, found.model)
 }
 
 pub(crate) fn index_ratio(found: &Found<'_>) -> f64 {

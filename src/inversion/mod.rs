@@ -1,6 +1,9 @@
 //! The inverse problem: from a measured data set to the structure that made it. The one join of optics, data and optimiser.
 
+mod advice;
+mod candidates;
 mod compiled;
+mod design;
 mod estimates;
 mod fit;
 mod nuisance;
@@ -8,14 +11,18 @@ mod outcome;
 mod parameter;
 mod plan;
 mod problem;
+mod prospect;
 mod search;
 mod settings;
 mod solution;
 mod space;
 mod summary;
+mod truth;
 mod undetermined;
 mod wording;
 
+pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitExpected, advise};
+pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use outcome::{

@@ -151,6 +151,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         minima,
         identifiability,
         nuisance: uncertainty.nuisances(found, &point),
+        advice: Vec::new(),
         termination: found.best.termination,
         evaluations: found.best.evaluations,
         settings: found.settings.clone(),

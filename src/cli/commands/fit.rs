@@ -3,20 +3,17 @@
 use crate::args::{FitArgs, OutputArgs};
 use crate::exit::Outcome;
 use crate::options::Problem;
-use crate::output::{self, Folder};
+use crate::output::{self, Folder, WIDTH};
 use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::Dataset;
 use morpho_fit::export::{curves_csv, fit_json};
-use morpho_fit::inversion::{Fit, FitOutcome, Parameter, Status, Verdict, fit};
+use morpho_fit::inversion::{Ask, Fit, FitOutcome, Parameter, Status, Verdict, advise, fit};
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::{Figure, draw};
 use morpho_fit::report::{terminal, wording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Characters in a line of the report.
-const WIDTH: usize = 100;
 
 pub(crate) fn run(args: &FitArgs) -> Result<Outcome> {
     let began = Instant::now();
@@ -60,6 +57,9 @@ fn work(problem: &Problem, folder: &Folder, args: &OutputArgs) -> Result<Files> 
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }
+    progress.tell("asking what to measure next");
+    let advice = advise(data, &fit, Ask::IfNeeded).with_context(|| file.clone())?;
+    fit.outcome.advice = advice.into_iter().map(|proposal| proposal.found).collect();
     progress.tell("writing the results");
     let json = fit_json(&fit.outcome)?;
     let mut files = vec![("fit.json", json.clone()), ("curves.csv", curves_csv(data, &fit)?)];
