@@ -17,8 +17,7 @@ use crate::inversion::compiled::Compiled;
 use crate::inversion::outcome::{Estimate, Fit, FitOutcome, Verdict};
 use crate::inversion::parameter::Parameter;
 use crate::inversion::prospect::{Prospect, ProspectError, Prospects, Quantity, Rival};
-use crate::inversion::solution::Solution;
-use crate::inversion::truth::{Truth, truths};
+use crate::inversion::truth::truths;
 use crate::optics::OpticsError;
 use crate::optimise::BoundsError;
 use crate::synthetic::Scan;
@@ -39,8 +38,6 @@ const PROPOSALS: usize = 3;
 const WORTH: f64 = 0.05;
 /// A simpler scan with so much of the best score is taken instead.
 const NEARLY: f64 = 0.97;
-/// Structures elsewhere along an open direction that a scan has to tell from each.
-const ELSEWHERE: usize = 2;
 /// Scans are enough if they are for so many of the structures that may be true: 3 of 4.
 const MOST: (usize, usize) = (3, 4);
 /// Readings at the same angles and wavelength, rad and nm.
@@ -178,26 +175,15 @@ pub fn advise(data: &Dataset, fit: &Fit, ask: Ask) -> Result<Vec<Proposal>, Advi
     let mut scans = candidates(model.as_ref(), &best.values);
     let has_value = |scan: &Scan| truths.iter().all(|truth| truth.readings(scan, model.as_ref()).is_some());
     scans.retain(|scan| !is_in(scan, data) && has_value(scan));
-    let prospects: Result<Vec<Prospects<'_>>, ProspectError> = (truths.iter().enumerate())
-        .map(|(place, truth)| {
-            let rivals = rivals(&fit.solution, &truths, place);
+    let prospects: Result<Vec<Prospects<'_>>, ProspectError> = (truths.iter())
+        .map(|truth| {
+            let rivals = Rival::of(&fit.solution, truth, best);
             Prospects::new(data, fit, model.as_ref(), truth, &scans, rivals)
         })
         .collect();
-    Ok(propose(&prospects?, &scans))
-}
-
-/// The structures that a scan has to tell from one that may be true: those that fit as well, and where the thicknesses
-/// are open some others along the open directions, for their landscape has many minima.
-fn rivals(solution: &Solution, truths: &[Truth], place: usize) -> Vec<Rival> {
-    let (Some(best), Some(truth)) = (truths.first(), truths.get(place)) else { return Vec::new() };
-    let mut rivals = Rival::of(solution, truth, best);
     let thickness = |(parameter, _): &(Parameter, f64)| matches!(parameter, Parameter::DAir | Parameter::DCuticle);
-    if solution.held.iter().flat_map(|held| &held.direction).any(|part| thickness(part)) {
-        let others = truths.iter().cycle().skip(place + 1).take(truths.len() - 1);
-        rivals.extend(others.take(ELSEWHERE).map(Rival::along));
-    }
-    rivals
+    let open = fit.solution.held.iter().flat_map(|held| &held.direction).any(thickness);
+    Ok(propose(&prospects?, &scans, open))
 }
 
 /// Whether everything free is determined, and well.
@@ -255,13 +241,18 @@ fn outlook(prospects: &[Prospects<'_>], scans: &[usize]) -> Option<Outlook> {
     prospects.iter().map(|prospects| prospects.with(scans)).collect()
 }
 
-fn propose(prospects: &[Prospects<'_>], scans: &[Scan]) -> Vec<Proposal> {
+/// Proposals for scans to choose from; where the thicknesses are `open` the first is a spectrum: at one wavelength many
+/// of them give the same colour, far beyond what derivatives at one structure show.
+fn propose(prospects: &[Prospects<'_>], scans: &[Scan], open: bool) -> Vec<Proposal> {
     let Some(before) = outlook(prospects, &[]) else { return Vec::new() };
-    let singles = extended(prospects, &before, &[], scans.len());
+    let all: Vec<usize> = (0..scans.len()).collect();
+    let is_spectrum = |scan: &usize| scans.get(*scan).is_some_and(|scan| scan.wavelengths.len() > 1);
+    let first: Vec<usize> = all.iter().copied().filter(|scan| !open || is_spectrum(scan)).collect();
+    let singles = extended(prospects, &before, &[], &first);
     let Some(first) = singles.first() else { return Vec::new() };
     let (mut together, mut expected) = (first.scans.clone(), first.outlook.clone());
     while together.len() < TOGETHER && !is_enough(prospects, &expected) {
-        let Some(next) = extended(prospects, &expected, &together, scans.len()).into_iter().next() else { break };
+        let Some(next) = extended(prospects, &expected, &together, &all).into_iter().next() else { break };
         (together, expected) = (next.scans, next.outlook);
     }
     let best = (together.len() > 1).then_some((together, expected));
@@ -274,8 +265,8 @@ fn propose(prospects: &[Prospects<'_>], scans: &[Scan]) -> Vec<Proposal> {
 }
 
 /// The sets that one more scan makes of `chosen`, the best first, where it is worth it.
-fn extended(prospects: &[Prospects<'_>], before: &Outlook, chosen: &[usize], count: usize) -> Vec<Choice> {
-    let with = |scan: usize| {
+fn extended(prospects: &[Prospects<'_>], before: &Outlook, chosen: &[usize], from: &[usize]) -> Vec<Choice> {
+    let with = |&scan: &usize| {
         if chosen.contains(&scan) {
             return None;
         }
@@ -284,7 +275,7 @@ fn extended(prospects: &[Prospects<'_>], before: &Outlook, chosen: &[usize], cou
         let score = score(prospects, before, &outlook);
         (score > WORTH).then_some(Choice { scans, score, outlook })
     };
-    let mut rest: Vec<Choice> = (0..count).into_par_iter().filter_map(with).collect();
+    let mut rest: Vec<Choice> = from.par_iter().filter_map(with).collect();
     let mut ordered = Vec::new();
     while ordered.len() < PROPOSALS {
         let best = rest.iter().map(|choice| choice.score).fold(0.0, f64::max);
@@ -359,10 +350,9 @@ fn found(
     found.expected = best.quantities.iter().enumerate().map(sigma).collect();
     let split = |(rival, chi2_expected): (&Rival, &f64)| SplitExpected {
         values: rival.outside(),
-        chi2_now: rival.now(),
+        chi2_now: rival.seen,
         chi2_expected: *chi2_expected,
     };
-    found.splits =
-        best.rivals.iter().zip(&expected.rivals).filter(|(rival, _)| rival.is_minimum()).map(split).collect();
+    found.splits = best.rivals.iter().zip(&expected.rivals).map(split).collect();
     found
 }

@@ -30,6 +30,9 @@ use nalgebra::{DMatrix, DVector};
 const READINGS: usize = 600;
 /// Standard deviation of a nuisance before any reading, as a multiple of its value.
 const NUISANCE: f64 = 10.0;
+/// Least noise of a reading, as a share of the largest: no instrument repeats better, and noiseless data have no information
+/// that an even guess could be added to.
+const LEAST_NOISE: f64 = 1e-4;
 /// Rivals that are followed.
 const RIVALS: usize = 6;
 
@@ -52,8 +55,8 @@ pub(crate) struct Quantity {
 pub(crate) struct Rival {
     point: DVector<f64>,
     values: [f64; COUNT],
-    /// chi² above the best in the data, in units of the widened noise; `None` if it is no minimum of the fit.
-    seen: Option<f64>,
+    /// chi² above the best in the data, in units of the widened noise.
+    pub(crate) seen: f64,
     /// The same for data as the best minimum would give them, at this expansion.
     alone: f64,
 }
@@ -80,6 +83,8 @@ pub(crate) struct Prospects<'a> {
     /// Rows of each scan in the pool.
     rows: Vec<std::ops::Range<usize>>,
     best: DVector<f64>,
+    /// Standard deviation of a weighted residual.
+    unit: f64,
     /// Free parameters, then period and optical sum.
     pub(crate) quantities: Vec<Quantity>,
     pub(crate) rivals: Vec<Rival>,
@@ -115,9 +120,12 @@ impl<'a> Prospects<'a> {
         }
         let pool = Dataset::from_readings(readings, (0..curves).map(|curve| curve.to_string()).collect())?;
         let best = truth.point.clone();
+        let size = |reading: &Reading| reading.intensity.abs() / reading.sigma.unwrap_or(1.0);
+        let largest = data.readings().iter().map(size).fold(0.0, f64::max);
+        let unit = solution.unit.max(LEAST_NOISE * largest);
         let base = base(data, &solution.robust);
         let quantities = quantities(data, model, solution, &truth.values);
-        let mut prospects = Self { settings, solution, model, pool, base, rows, best, quantities, rivals };
+        let mut prospects = Self { settings, solution, model, pool, base, rows, best, unit, quantities, rivals };
         let (rows, roots): (Vec<usize>, Vec<f64>) = prospects.base.iter().copied().unzip();
         let compiled = Compiled::of_rows(&prospects.pool, settings, model, &rows)?;
         let alone =
@@ -143,7 +151,7 @@ impl<'a> Prospects<'a> {
         let mut rivals = Vec::with_capacity(self.rivals.len());
         for rival in &self.rivals {
             let (_, missed) = self.normal_equations(&compiled, &roots, &rival.point)?;
-            rivals.push(rival.now() + (missed - rival.alone).max(0.0));
+            rivals.push(rival.seen + (missed - rival.alone).max(0.0));
         }
         let free = self.solution.searched.freedom.matrix();
         let weights: Vec<f64> = rivals.iter().map(|chi2| (-0.5 * chi2).exp()).collect();
@@ -156,8 +164,7 @@ impl<'a> Prospects<'a> {
             let moments = offsets.zip(&weights).fold((0.0, 0.0), |(first, second), (offset, weight)| {
                 (first + weight / total * offset, second + weight / total * offset * offset)
             });
-            let spread = (variance + (moments.1 - moments.0 * moments.0).max(0.0)).sqrt();
-            quantity.range.map_or(spread, |range| spread.min(range / 12.0_f64.sqrt()))
+            (variance + (moments.1 - moments.0 * moments.0).max(0.0)).sqrt()
         });
         let spreads: Vec<f64> = spreads.collect();
         spreads.iter().all(|spread| spread.is_finite()).then_some(Prospect { spreads, rivals })
@@ -170,7 +177,7 @@ impl<'a> Prospects<'a> {
         let residuals = problem.residuals(at);
         let point = problem.evaluate(at)?;
         let jacobian = problem.full_jacobian(&point);
-        let variance = self.solution.unit.powi(2);
+        let variance = self.unit.powi(2);
         let mut information = jacobian.tr_mul(&jacobian) / variance;
         let ranges = space.ranges.iter().map(|range| range / 12.0_f64.sqrt());
         let in_use = point.coefficients.iter().filter(|value| **value > 0.0).map(|value| NUISANCE * value);
@@ -192,26 +199,11 @@ impl Rival {
         let least = solution.minima.first().map_or(0.0, Minimum::sum_of_squares);
         let rival = |minimum: &Minimum| {
             let point = space.bounds.clamp(&(&minimum.parameters + (&truth.point - &best.point)));
-            let seen = Some((minimum.sum_of_squares() - least) / solution.unit.powi(2));
+            let seen = (minimum.sum_of_squares() - least) / solution.unit.powi(2);
             Self { values: space.freedom.expand(&point), point, seen, alone: 0.0 }
         };
         let others = solution.minima.iter().skip(1).map(rival);
-        others.filter(|rival| rival.seen.is_some_and(|seen| seen < AS_GOOD)).take(RIVALS).collect()
-    }
-
-    /// A structure elsewhere along an open direction.
-    pub(crate) fn along(other: &Truth) -> Self {
-        Self { point: other.point.clone(), values: other.values, seen: None, alone: 0.0 }
-    }
-
-    /// Whether the fit found it as a minimum.
-    pub(crate) fn is_minimum(&self) -> bool {
-        self.seen.is_some()
-    }
-
-    /// chi² above the best now, in units of the widened noise.
-    pub(crate) fn now(&self) -> f64 {
-        self.seen.unwrap_or(self.alone.max(0.0))
+        others.filter(|rival| rival.seen < AS_GOOD).take(RIVALS).collect()
     }
 
     /// Its values in the user's units.
