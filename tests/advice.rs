@@ -96,9 +96,12 @@ fn the_expected_standard_deviations_are_those_of_the_fit_that_follows() {
     }
 }
 
-/// (141, 62) and its alias (98, 89) fit a noisy spectrum alike; the actual difference in chi² is that of two fits within 5 nm.
+/// (141, 62) and its alias (98, 89) fit a noisy spectrum alike. With the advised scan the alias is no minimum any more: a
+/// free fit from it ends at the truth. So the judge is the least chi² within 5 nm of it, less that of the best. It lies at
+/// the edge of this box and depends on its size; the expansion behind the expected value does not know the edge. The two
+/// are held to a factor of 2.5 only.
 #[test]
-fn the_advised_scan_splits_the_swap_alias_as_far_as_expected() {
+fn the_advised_scan_rules_out_the_swap_alias() {
     let blue = Structure::blue();
     let settings = FitSettings::default()
         .with_role(Parameter::Delta, Role::Fixed { value: blue.delta })
@@ -125,9 +128,9 @@ fn the_advised_scan_splits_the_swap_alias_as_far_as_expected() {
         let actual = there.chi2 - here.chi2;
         println!("{seed}: {:?} {alias:?} {:?} {:?} {actual}", best.found.scans, there.values, here.values);
         assert!(alias.chi2_now < 9.0 && alias.chi2_expected > 25.0, "{alias:?}");
-        // chi² of the data that are there scatters by twice its root.
-        let scatter = 3.0 * 2.0 * alias.chi2_expected.sqrt();
-        assert!((actual - alias.chi2_expected).abs() < 0.3 * alias.chi2_expected + scatter, "{alias:?} {actual}");
+        assert!(actual > 25.0, "{actual}");
+        let ratio = alias.chi2_expected / actual;
+        assert!((0.4..2.5).contains(&ratio), "{alias:?} {actual}");
         split += 1;
     }
     assert!(split >= 3, "{split}");

@@ -98,7 +98,7 @@ pub struct SplitExpected {
     pub values: [f64; 5],
     /// Its chi² above that of the best now, in units of the noise.
     pub chi2_now: f64,
-    /// The same with the scans.
+    /// The same with the scans, from an expansion about that structure: the order of size, not a number to test against.
     pub chi2_expected: f64,
 }
 
@@ -139,8 +139,11 @@ impl From<ProspectError> for AdviceError {
 /// The first proposal has as many scans, up to three, as it takes to tell everything that is free; the others are the next
 /// best with a single scan. Candidates are spectra from 380 to 740 nm near the mirror direction at four incidences, in both
 /// planes, spectra of s and p polarization at 60°, and phi scans at several wavelengths and two incidences in three planes.
-/// Those that the data hold already are left out. A new reading is taken to have the noise of the data, and the mean scale
+/// Those that the data hold already are left out. Where the thicknesses are open the first scan is a spectrum. A new reading is taken to have the noise of the data, and the mean scale
 /// and background of the curves; with a scale for each curve it has one of its own.
+///
+/// Standard deviations are as good as the derivatives at the best fit: where a direction is open they are a median over
+/// five structures along it, and the fit that follows may differ by several times.
 ///
 /// - `data`: what `fit` was fitted to.
 ///
