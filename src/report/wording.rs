@@ -158,7 +158,7 @@ pub fn advice(advice: &AdviceFound) -> String {
         (_, 0) => {}
         (0, 1) => text.push_str("; rules out the other structure that fits as well, if it is wrong"),
         (0, all) => {
-            text.push_str(&format!("; rules out the {all} other structures that fit as well, if they are wrong"))
+            text.push_str(&format!("; rules out the {all} other structures that fit as well, if they are wrong"));
         }
         (left, all) => text.push_str(&format!("; leaves {left} of {all} other structures that fit as well")),
     }
