@@ -118,9 +118,9 @@ fn the_advised_scan_rules_out_the_swap_alias() {
         let more = measured(&with(&scans, &best.scans), 0.12, seed);
         let near = |values: [f64; 5]| {
             let mut settings = FitSettings { search: Search::Local, ..settings.clone() };
-            for place in 0..2 {
-                settings.roles[place] = Role::Free { lower: values[place] - 5.0, upper: values[place] + 5.0 };
-                settings.start[place] = Some(values[place]);
+            for (place, value) in values.into_iter().enumerate().take(2) {
+                settings.roles[place] = Role::Free { lower: value - 5.0, upper: value + 5.0 };
+                settings.start[place] = Some(value);
             }
             fit(&more, &settings, &|_| {}).unwrap().outcome.minima[0].clone()
         };
