@@ -65,6 +65,7 @@ fn a_simulated_measurement_is_checked_and_fitted() {
     let folder = with_blue();
     let checked = succeeds(&folder, "check blue.csv");
     assert!(checked.out.starts_with("blue.csv: 172 readings, ready to fit"), "{}", checked.out);
+    assert!(checked.out.ends_with("Nothing more is needed.\n"), "{}", checked.out);
     let fitted = succeeds(&folder, "blue.csv");
     assert!(fitted.out.contains("d_air") && fitted.out.contains("95 % interval"), "{}", fitted.out);
     assert!(fitted.out.lines().count() <= 40 && fitted.out.lines().all(|line| line.chars().count() <= 100));
@@ -357,6 +358,12 @@ fn check_tells_what_the_design_cannot() {
     assert_eq!(report["readings"], 73);
     assert_eq!(report["expected"]["parameters"][0]["sigma"], serde_json::Value::Null);
     assert!(report["expected"]["undetermined"].to_string().contains("only d_air + d_cuticle is determined"));
+    assert!(report["expected"]["advice"][0]["scans"].to_string().contains("omega 90°"), "{}", ended.out);
+    assert!(succeeds(&folder, "check across.csv").out.contains("Measure next: a "));
+    let fitted = succeeds(&folder, "across.csv --no-plots").out;
+    let advice = fitted.find("Measure next: a ").expect("advice in the report");
+    assert!(fitted[advice..].lines().all(|line| line.chars().count() <= 100), "{fitted}");
+    assert!(!outcome(&folder, "fits/across").advice.is_empty());
 }
 
 #[test]

@@ -6,7 +6,6 @@
 
 mod args;
 mod commands;
-mod design;
 mod exit;
 mod index_table;
 mod options;

@@ -8,6 +8,8 @@ use std::fs::{self, File};
 use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 
+/// Characters in a line of a report.
+pub(crate) const WIDTH: usize = 100;
 /// Largest file that is read, bytes.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
 

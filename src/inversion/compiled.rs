@@ -58,6 +58,16 @@ impl<'a> Compiled<'a> {
         Self { data: self.data, settings: self.settings, plan, linear: self.linear.clone() }
     }
 
+    /// Compiles the readings of `rows`.
+    pub(crate) fn of_rows(
+        data: &'a Dataset,
+        settings: &'a FitSettings,
+        model: &'a dyn ReflectivityModel,
+        rows: &[usize],
+    ) -> Result<Self, OpticsError> {
+        Ok(Self::of(data, settings, Plan::of_rows(data, model, rows)?))
+    }
+
     fn of(data: &'a Dataset, settings: &'a FitSettings, plan: Plan<'a>) -> Self {
         let linear = LinearPart::new(&settings.nuisances, &plan);
         Self { data, settings, plan, linear }

@@ -111,7 +111,7 @@ fn mark_ambiguous(
 }
 
 pub(crate) fn index_ratio(found: &Found<'_>) -> f64 {
-    let (gap, cuticle) = indices(found.compiled);
+    let (gap, cuticle) = indices(found.data, &found.settings.stack);
     cuticle / gap
 }
 
@@ -247,7 +247,7 @@ impl Uncertainty {
     }
 
     pub(crate) fn derived(&self, found: &Found<'_>, point: &Evaluation) -> Derived {
-        let (gap, cuticle) = indices(found.compiled);
+        let (gap, cuticle) = indices(found.data, &found.settings.stack);
         let of = |gradient: [f64; COUNT]| {
             let value: f64 = gradient.iter().zip(&point.values).map(|(g, value)| g * value).sum();
             let mut estimate = Estimate::new(value, "nm");

@@ -1,8 +1,11 @@
 //! The inverse problem: from a measured data set to the structure that made it. The one join of optics, data and optimiser.
 
+mod advice;
 mod atlas;
+mod candidates;
 mod combinations;
 mod compiled;
+mod design;
 mod estimates;
 mod fit;
 pub mod intervals;
@@ -12,17 +15,21 @@ mod outcome;
 mod parameter;
 mod plan;
 mod problem;
+mod prospect;
 mod quantity;
 mod search;
 mod settings;
 mod solution;
 mod space;
 mod summary;
+mod truth;
 mod undetermined;
 mod wording;
 
+pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitExpected, advise};
 pub use atlas::{ChiSquareMap, Relation, chi_square_map};
 pub use combinations::Combination;
+pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use outcome::{

@@ -1,5 +1,6 @@
 //! What a fit found, in the user's units, ready to be written as `fit.json`.
 
+use crate::inversion::advice::AdviceFound;
 use crate::inversion::atlas::Relation;
 use crate::inversion::combinations::Combination;
 use crate::inversion::intervals::UncertaintyFound;
@@ -290,6 +291,10 @@ pub struct FitOutcome {
     pub uncertainty: Option<UncertaintyFound>,
     /// Scale, weight and background.
     pub nuisance: Vec<NuisanceFound>,
+    /// What to measure next, the best first; empty if nothing more is needed, and until
+    /// [`advise`](crate::inversion::advise) is asked.
+    #[serde(default)]
+    pub advice: Vec<AdviceFound>,
     /// How the solver ended at the best minimum.
     pub termination: Termination,
     /// Evaluations of the model in the run that ended there, those for derivatives apart.

@@ -102,11 +102,16 @@ impl<'a> Plan<'a> {
         Self::of_rows(data, model, &all)
     }
 
-    /// [`Plan::new`] for about `limit` readings of all: one from each run of neighbours in a curve; short curves are kept.
+    /// [`Plan::new`] for about `limit` readings of all.
+    pub(crate) fn thinned(data: &Dataset, model: &'a dyn ReflectivityModel, limit: usize) -> Result<Self, OpticsError> {
+        Self::of_rows(data, model, &Self::thinned_rows(data, limit))
+    }
+
+    /// About `limit` rows of all: one from each run of neighbours in a curve; short curves are kept.
     ///
     /// Which one of a run is spread by the golden ratio: a fixed stride would take the same angles from each scan wherever
     /// it shares a factor with the length of a scan, and then the search sees none of the others.
-    pub(crate) fn thinned(data: &Dataset, model: &'a dyn ReflectivityModel, limit: usize) -> Result<Self, OpticsError> {
+    pub(crate) fn thinned_rows(data: &Dataset, limit: usize) -> Vec<usize> {
         let stride = data.readings().len().div_ceil(limit.max(1)).max(1);
         let mut curves: Vec<Vec<usize>> = vec![Vec::new(); data.curves().len()];
         for (row, reading) in data.readings().iter().enumerate() {
@@ -119,10 +124,15 @@ impl<'a> Plan<'a> {
             rows.extend(curve.chunks(stride).enumerate().map(|(place, run)| spread(place, run)));
         }
         rows.sort_unstable();
-        Self::of_rows(data, model, &rows)
+        rows
     }
 
-    fn of_rows(data: &Dataset, model: &'a dyn ReflectivityModel, rows: &[usize]) -> Result<Self, OpticsError> {
+    /// [`Plan::new`] for some rows of the data, in their order.
+    pub(crate) fn of_rows(
+        data: &Dataset,
+        model: &'a dyn ReflectivityModel,
+        rows: &[usize],
+    ) -> Result<Self, OpticsError> {
         model.validate()?;
         let mut plan = Self {
             model,

@@ -1,9 +1,11 @@
 //! What intervals are given for: the five parameters, and the two sums of thicknesses that follow from them.
 
+use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::outcome::{Estimate, FitOutcome};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::space::Space;
+use crate::optics::Stack;
 use nalgebra::DVector;
 
 /// One number that a fit gives.
@@ -21,17 +23,17 @@ pub(crate) enum Quantity {
 const ROUNDING: f64 = 1e-12;
 
 /// Real indices of gap and cuticle at the middle wavelength of the data; 1 and 1.56 where the media have none there.
-pub(crate) fn indices(compiled: &Compiled<'_>) -> (f64, f64) {
-    let mut wavelengths: Vec<f64> = compiled.data.readings().iter().map(|reading| reading.wavelength).collect();
+pub(crate) fn indices(data: &Dataset, stack: &Stack) -> (f64, f64) {
+    let mut wavelengths: Vec<f64> = data.readings().iter().map(|reading| reading.wavelength).collect();
     wavelengths.sort_by(f64::total_cmp);
     let middle = wavelengths.get(wavelengths.len() / 2).copied().unwrap_or(550.0);
-    compiled.settings.stack.media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
+    stack.media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
 }
 
 impl Quantity {
     /// All that move in `space`.
     pub(crate) fn moving(compiled: &Compiled<'_>, space: &Space) -> Vec<Self> {
-        let (gap, cuticle) = indices(compiled);
+        let (gap, cuticle) = indices(compiled.data, &compiled.settings.stack);
         let sums = [Self::Period, Self::OpticalSum { gap, cuticle }];
         let all = Parameter::ALL.into_iter().map(Self::Parameter).chain(sums);
         all.filter(|quantity| quantity.slopes(space).amax() > ROUNDING).collect()

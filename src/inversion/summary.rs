@@ -91,7 +91,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     }
     let verdict = verdict(found, &estimates, &derived);
     let identifiability = identifiability(found, unit);
-    let minima = listed(found.minima, found.searched, unit, found.settings.level, indices(found.compiled));
+    let minima =
+        listed(found.minima, found.searched, unit, found.settings.level, indices(found.data, &found.settings.stack));
     let mut warnings = Vec::new();
     if by_chance {
         warnings.push(if found.settings.search == Search::Local {
@@ -153,6 +154,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         identifiability,
         uncertainty: None,
         nuisance: uncertainty.nuisances(found, &point),
+        advice: Vec::new(),
         termination: found.best.termination,
         evaluations: found.best.evaluations,
         settings: found.settings.clone(),

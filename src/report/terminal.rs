@@ -3,7 +3,7 @@
 use super::digits::{plain, with_sigma};
 use super::table::{Align, Table};
 use super::wording;
-use crate::inversion::{Estimate, Fit, FitOutcome, NuisanceFound, Verdict};
+use crate::inversion::{AdviceFound, Estimate, Fit, FitOutcome, NuisanceFound, Verdict};
 
 /// Warnings that are told; all of them are in `fit.json`.
 const WARNINGS: usize = 6;
@@ -42,7 +42,22 @@ pub fn text(fit: &Fit, width: usize) -> String {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
     report.push_str(&rivals(outcome, width));
+    let next = advice(&outcome.advice, width);
+    if !next.is_empty() {
+        report.push('\n');
+        report.push_str(&next);
+    }
     report
+}
+
+/// What to measure next, as lines: the best advice, and the next best scan for whoever cannot take it. Empty without any.
+///
+/// - `width`: of the screen, in characters.
+#[must_use]
+pub fn advice(advice: &[AdviceFound], width: usize) -> String {
+    let heads = ["Measure next: ", "Or: "];
+    let lines = advice.iter().zip(heads).map(|(one, head)| wrapped(&wording::advice(one), head, "  ", width));
+    lines.collect()
 }
 
 fn parameters(outcome: &FitOutcome) -> String {

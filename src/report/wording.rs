@@ -1,7 +1,9 @@
 //! Sentences about a fit: the verdict, the status of a parameter, the values in one line.
 
 use super::digits::{plain, to_place_of, with_sigma};
-use crate::inversion::{Combination, Estimate, FitOutcome, SigmaSource, Status, Verdict};
+use crate::inversion::{
+    AdviceFound, Combination, Estimate, FitOutcome, SigmaExpected, SigmaSource, SplitExpected, Status, Verdict,
+};
 
 /// The verdict as a sentence without a full stop, the first line of every report.
 #[must_use]
@@ -164,6 +166,41 @@ pub fn values(outcome: &FitOutcome) -> String {
         found.splice(0..0, sums.into_iter().filter_map(one).take(1));
     }
     found.join(", ")
+}
+
+/// A share of its standard deviation now, below which a quantity gains from a scan.
+const GAINS: f64 = 0.5;
+/// chi² from which another structure no longer fits as well.
+const SPLIT: f64 = 9.0;
+
+/// Scans to add, and what they would tell: `a spectrum …: d_air to ± 0.4 nm (now ± 80 nm)`.
+#[must_use]
+pub fn advice(advice: &AdviceFound) -> String {
+    let scans: Vec<&str> = advice.scans.iter().map(String::as_str).collect();
+    let gain = |expected: &&SigmaExpected| expected.after < GAINS * expected.before;
+    let one = |expected: &SigmaExpected| {
+        let SigmaExpected { name, unit, before, after } = expected;
+        format!("{name} to ± {} {unit} (now ± {})", with_sigma(0.0, *after).1, with_sigma(0.0, *before).1)
+    };
+    let free = |expected: &&SigmaExpected| expected.name != "period" && expected.name != "optical_sum";
+    let gains: Vec<String> = advice.expected.iter().filter(free).filter(gain).map(one).collect();
+    let mut text = scans.join("; and ");
+    if !gains.is_empty() {
+        text.push_str(&format!(". Tells {}", gains.join(", ")));
+    }
+    let open = |split: &&SplitExpected| split.chi2_expected < SPLIT;
+    match (advice.splits.iter().filter(open).count(), advice.splits.len()) {
+        (_, 0) => {}
+        (0, 1) => text.push_str("; rules out the other structure that fits as well, if it is wrong"),
+        (0, all) => {
+            text.push_str(&format!("; rules out the {all} other structures that fit as well, if they are wrong"));
+        }
+        (left, all) => text.push_str(&format!("; leaves {left} of {all} other structures that fit as well")),
+    }
+    if !advice.enough {
+        text.push_str("; not enough to tell everything");
+    }
+    text
 }
 
 /// Where the standard deviations come from.

@@ -1,15 +1,15 @@
 //! `morpho-fit check`: what is in a file, and what its design of measurement can tell.
 
 use crate::args::CheckArgs;
-use crate::design::{Expected, expected};
 use crate::exit::Outcome;
 use crate::options::Problem;
-use crate::output;
+use crate::output::{self, WIDTH};
 use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::Polarization;
-use morpho_fit::report::{Align, Table, plain, with_sigma, wording};
+use morpho_fit::inversion::{AdviceFound, Estimate, expected};
+use morpho_fit::report::{Align, Table, plain, terminal, with_sigma, wording};
 use morpho_fit::units::degrees;
 use serde::Serialize;
 
@@ -31,6 +31,30 @@ struct Report {
     notes: Vec<String>,
     planes: &'static str,
     expected: Expected,
+}
+
+/// What can be expected of a fit.
+#[derive(Debug, Serialize)]
+struct Expected {
+    /// Structure and noise that it holds for.
+    assuming: String,
+    parameters: Vec<ExpectedParameter>,
+    /// What is not determined, as sentences.
+    undetermined: Vec<String>,
+    /// Whether everything free is told, and well.
+    good: bool,
+    /// What to measure besides, the best first.
+    advice: Vec<AdviceFound>,
+}
+
+#[derive(Debug, Serialize)]
+struct ExpectedParameter {
+    name: &'static str,
+    unit: String,
+    /// The value that the expectation is for; none for what is not determined.
+    assumed: Option<f64>,
+    sigma: Option<f64>,
+    status: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -67,7 +91,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome> {
         has_sigma: data.has_sigma(),
         notes: data.notes().to_vec(),
         planes: planes(data),
-        expected,
+        expected: of(expected),
     };
     if args.json {
         let mut bytes = serde_json::to_vec_pretty(&report)?;
@@ -77,6 +101,23 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome> {
         output::print_report(&text(&report))?;
     }
     Ok(Outcome::Done)
+}
+
+fn of(found: morpho_fit::inversion::Expected) -> Expected {
+    let parameter = |(name, estimate): (&'static str, &Estimate)| ExpectedParameter {
+        name,
+        unit: estimate.unit.clone(),
+        assumed: estimate.value,
+        sigma: estimate.sigma,
+        status: wording::status(estimate),
+    };
+    Expected {
+        parameters: found.each().map(parameter).into(),
+        assuming: found.assuming,
+        undetermined: found.outcome.identifiability.undetermined,
+        good: found.good,
+        advice: found.advice,
+    }
 }
 
 fn curves(data: &Dataset) -> Vec<Curve> {
@@ -175,11 +216,16 @@ fn expectation(expected: &Expected) -> String {
     for parameter in &expected.parameters {
         let assumed = parameter.assumed.map_or_else(|| "—".to_owned(), plain);
         let sigma = parameter.sigma.map_or_else(String::new, |sigma| format!("± {}", with_sigma(0.0, sigma).1));
-        table.row([parameter.name.clone(), assumed, sigma, parameter.unit.clone(), parameter.status.clone()]);
+        table.row([parameter.name.to_owned(), assumed, sigma, parameter.unit.clone(), parameter.status.clone()]);
     }
     text.push_str(&table.to_string());
     for sentence in &expected.undetermined {
         text.push_str(&format!("! {sentence}\n"));
     }
+    text.push('\n');
+    if expected.good {
+        text.push_str("Nothing more is needed.\n");
+    }
+    text.push_str(&terminal::advice(&expected.advice, WIDTH));
     text
 }

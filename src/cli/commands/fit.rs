@@ -4,21 +4,18 @@ use crate::args::{FitArgs, OutputArgs, UncertaintyWord};
 use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::exit::Outcome;
 use crate::options::Problem;
-use crate::output::{self, Folder};
+use crate::output::{self, Folder, WIDTH};
 use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::Dataset;
 use morpho_fit::export::{curves_csv, fit_json};
-use morpho_fit::inversion::{Fit, FitOutcome, Parameter, Search, Status, Verdict, chi_square_map, fit};
+use morpho_fit::inversion::{Ask, Fit, FitOutcome, Parameter, Search, Status, Verdict, advise, chi_square_map, fit};
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
 use morpho_fit::plot::{Figure, draw};
 use morpho_fit::report::{terminal, uncertainty, wording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Characters in a line of the report.
-const WIDTH: usize = 100;
 
 /// Fits; `command` is the method whose word the command line began with.
 pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
@@ -69,6 +66,9 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }
+    tell("asking what to measure next");
+    let advice = advise(data, &fit, Ask::IfNeeded).with_context(|| file.clone())?;
+    fit.outcome.advice = advice.into_iter().map(|proposal| proposal.found).collect();
     let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
     let title = format!("{name}: {}", wording::verdict(&fit.outcome));
     let mut files = vec![("curves.csv".to_owned(), curves_csv(data, &fit)?)];
