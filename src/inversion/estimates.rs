@@ -12,6 +12,7 @@ use crate::inversion::undetermined::Held;
 use crate::optics::ReflectivityModel;
 use crate::optimise::Minimum;
 use crate::uncertainty::covariance::{correlation, covariance};
+use crate::uncertainty::discrepancy::Spread;
 use crate::uncertainty::goodness::{NINETY_FIVE, ONE_SIGMA, student};
 use nalgebra::{DMatrix, DVector};
 
@@ -54,6 +55,8 @@ pub(crate) struct Uncertainty {
     inner: Vec<Parameter>,
     /// Covariance of these, then of the nuisances in use; `None` if it does not exist.
     matrix: Option<DMatrix<f64>>,
+    /// What the model's misses add to it.
+    spread: Option<Spread>,
     columns: Vec<usize>,
     quantile_68: f64,
     quantile_95: f64,
@@ -129,11 +132,39 @@ impl Uncertainty {
         Self {
             inner: moved.iter().map(|&j| free[j]).collect(),
             matrix,
+            spread: None,
             columns: in_use.to_vec(),
             quantile_68: quantile(ONE_SIGMA),
             quantile_95: quantile(NINETY_FIVE),
             unit,
         }
+    }
+
+    /// Adds the spread of the answer over parts of the data; returns the factor on the standard deviations of the free
+    /// parameters, their geometric mean.
+    pub(crate) fn widen(&mut self, spread: Option<Spread>, dof: usize) -> f64 {
+        let (Some(spread), Some(matrix)) = (spread, &self.matrix) else { return 1.0 };
+        let (mut logarithms, mut count) = (0.0, 0.0);
+        for (i, parameter) in self.inner.iter().enumerate() {
+            let (own, added) = (matrix[(i, i)], spread.of(&[parameter.index()])[(0, 0)]);
+            if own > 0.0 {
+                logarithms += 0.5 * (1.0 + added / own).ln();
+                count += 1.0;
+            }
+        }
+        self.quantile_68 = student(ONE_SIGMA, dof.min(spread.dof));
+        self.quantile_95 = student(NINETY_FIVE, dof.min(spread.dof));
+        self.spread = Some(spread);
+        if count > 0.0 { f64::exp(logarithms / count) } else { 1.0 }
+    }
+
+    /// The covariance with what the model's misses add to it.
+    fn total(&self) -> Option<DMatrix<f64>> {
+        let matrix = self.matrix.as_ref()?;
+        let Some(spread) = &self.spread else { return Some(matrix.clone()) };
+        let chosen = self.inner.iter().map(|parameter| parameter.index());
+        let chosen: Vec<usize> = chosen.chain((0..self.columns.len()).map(|c| COUNT + c)).collect();
+        Some(matrix + spread.of(&chosen))
     }
 
     /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds; `None` if it depends on
@@ -146,7 +177,8 @@ impl Uncertainty {
             let column = found.space.freedom.free.iter().position(|free| free == parameter)?;
             along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
         }
-        (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0))
+        let added = self.spread.as_ref().map_or(0.0, |spread| spread.variance(&DVector::from_column_slice(gradient)));
+        (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0) + added)
     }
 
     pub(crate) fn parameter(&self, found: &Found<'_>, point: &Evaluation, parameter: Parameter) -> Estimate {
@@ -205,10 +237,10 @@ impl Uncertainty {
 
     /// Names of the parameters whose correlation with `parameter` is beyond [`CORRELATED`].
     fn correlated_with(&self, parameter: Parameter) -> Vec<String> {
-        let (Some(matrix), Some(row)) = (&self.matrix, self.inner.iter().position(|p| *p == parameter)) else {
+        let (Some(matrix), Some(row)) = (self.total(), self.inner.iter().position(|p| *p == parameter)) else {
             return Vec::new();
         };
-        let correlation = correlation(matrix);
+        let correlation = correlation(&matrix);
         let close = |&(column, other): &(usize, &Parameter)| {
             column != row && *other != parameter && correlation[(row, column)].abs() > CORRELATED
         };
@@ -275,7 +307,7 @@ impl Uncertainty {
 
     /// Covariance and correlation, user units; empty where they do not exist.
     pub(crate) fn named_matrices(&self, found: &Found<'_>) -> (NamedMatrix, NamedMatrix) {
-        let Some(matrix) = &self.matrix else { return Default::default() };
+        let Some(matrix) = self.total() else { return Default::default() };
         let names: Vec<String> = (self.inner.iter().map(|parameter| parameter.name().to_owned()))
             .chain(self.columns.iter().map(|&i| column_name(&found.linear.columns[i], found.data)))
             .collect();
@@ -286,9 +318,10 @@ impl Uncertainty {
     }
 
     pub(crate) fn nuisances(&self, found: &Found<'_>, point: &Evaluation) -> Vec<NuisanceFound> {
+        let total = self.total();
         let sigma = |i: usize| {
             let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
-            self.matrix.as_ref().map(|matrix| matrix[(place, place)].sqrt())
+            total.as_ref().map(|matrix| matrix[(place, place)].sqrt())
         };
         // A parameter that acts as a scale was held at some value, and the scale with it.
         let conditional = found.held.iter().any(|held| held.absorbed && held.direction.len() == 1);

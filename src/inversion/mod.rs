@@ -2,6 +2,7 @@
 
 mod estimates;
 mod fit;
+mod jackknife;
 mod nuisance;
 mod outcome;
 mod parameter;
@@ -16,8 +17,8 @@ mod wording;
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use outcome::{
-    DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, NamedMatrix,
-    NuisanceFound, Parameters, SCHEMA, SigmaSource, Status, Verdict,
+    CurveResiduals, DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound,
+    NamedMatrix, NuisanceFound, Parameters, SCHEMA, SigmaSource, Status, Verdict,
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;

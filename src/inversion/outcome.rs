@@ -204,6 +204,22 @@ pub enum SigmaSource {
     Scatter,
 }
 
+/// The residuals of one curve, in units of their standard deviation: stated, or the scatter about the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CurveResiduals {
+    /// Name of the curve.
+    pub curve: String,
+    /// Its readings.
+    pub readings: usize,
+    /// Sum of squares.
+    pub chi2: f64,
+    /// Correlation of each with the next.
+    pub correlation: f64,
+    /// Runs of one sign less those expected of noise, in standard deviations (Wald and Wolfowitz 1940): far below 0 if
+    /// neighbours agree. `None` unless both signs occur.
+    pub runs_z: Option<f64>,
+}
+
 /// The fitted data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DataFound {
@@ -259,7 +275,11 @@ pub struct FitOutcome {
     pub sigma_source: SigmaSource,
     /// Correlation of each residual with the next of its curve: near 0 for noise.
     pub residual_correlation: f64,
-    /// Factor by which the standard deviations are widened because the model misses the data; 1 if it does not.
+    /// Residuals curve by curve.
+    #[serde(default)]
+    pub curve_residuals: Vec<CurveResiduals>,
+    /// Factor by which the standard deviations are widened because the model misses the data, the geometric mean over the
+    /// parameters where each has its own; 1 if it does not.
     pub widened_by: f64,
     /// Factor between these and the deviations by the other rule (stated against scatter); `None` without a stated one.
     pub sigma_ratio: Option<f64>,
