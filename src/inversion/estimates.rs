@@ -15,6 +15,7 @@ use crate::inversion::space::Space;
 use crate::inversion::undetermined::Held;
 use crate::optimise::Minimum;
 use crate::uncertainty::covariance::{correlation, covariance};
+use crate::uncertainty::discrepancy::Spread;
 use nalgebra::{DMatrix, DVector};
 
 /// A correlation beyond this is a status of its own.
@@ -75,8 +76,10 @@ pub(crate) struct Uncertainty {
     inner: Vec<Parameter>,
     /// Covariance of these, then of the nuisances in use; `None` if it does not exist.
     matrix: Option<DMatrix<f64>>,
+    /// What the model's misses add to it.
+    spread: Option<Spread>,
     columns: Vec<usize>,
-    quantiles: Quantiles,
+    pub(crate) quantiles: Quantiles,
     /// Standard deviation of a weighted residual.
     unit: f64,
 }
@@ -105,8 +108,21 @@ fn mark_ambiguous(
             estimate.others.push(other);
         }
     }
-    if !estimate.others.is_empty() {
-        estimate.status = Status::Ambiguous;
+    if estimate.others.is_empty() {
+        return;
+    }
+    estimate.status = Status::Ambiguous;
+    // An interval about one of several answers would hold the truth less often than it says.
+    let (least, most) =
+        estimate.others.iter().fold((value, value), |(low, high), &other| (low.min(other), high.max(other)));
+    for interval in [&mut estimate.interval_68, &mut estimate.interval_95].into_iter().flatten() {
+        let [low, high] = &mut *interval;
+        *low = low.map(|end| end - (value - least));
+        *high = high.map(|end| end + (most - value));
+        if let Some([lower, upper]) = estimate.bounds {
+            *low = low.filter(|end| *end > lower);
+            *high = high.filter(|end| *end < upper);
+        }
     }
 }
 
@@ -140,10 +156,37 @@ impl Uncertainty {
         Self {
             inner: moved.iter().map(|&j| free[j]).collect(),
             matrix,
+            spread: None,
             columns: in_use.to_vec(),
             quantiles: Quantiles::new(source, dof),
             unit,
         }
+    }
+
+    /// Adds the spread of the answer over parts of the data; returns the factor on the standard deviations of the free
+    /// parameters, their geometric mean.
+    pub(crate) fn widen(&mut self, spread: Option<Spread>, dof: usize) -> f64 {
+        let (Some(spread), Some(matrix)) = (spread, &self.matrix) else { return 1.0 };
+        let (mut logarithms, mut count) = (0.0, 0.0);
+        for (i, parameter) in self.inner.iter().enumerate() {
+            let (own, added) = (matrix[(i, i)], spread.of(&[parameter.index()])[(0, 0)]);
+            if own > 0.0 {
+                logarithms += 0.5 * (1.0 + added / own).ln();
+                count += 1.0;
+            }
+        }
+        self.quantiles = Quantiles::new(SigmaSource::Widened, dof.min(spread.dof));
+        self.spread = Some(spread);
+        if count > 0.0 { f64::exp(logarithms / count) } else { 1.0 }
+    }
+
+    /// The covariance with what the model's misses add to it.
+    fn total(&self) -> Option<DMatrix<f64>> {
+        let matrix = self.matrix.as_ref()?;
+        let Some(spread) = &self.spread else { return Some(matrix.clone()) };
+        let chosen = self.inner.iter().map(|parameter| parameter.index());
+        let chosen: Vec<usize> = chosen.chain((0..self.columns.len()).map(|c| COUNT + c)).collect();
+        Some(matrix + spread.of(&chosen))
     }
 
     /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds; `None` if it depends on
@@ -156,7 +199,15 @@ impl Uncertainty {
             let column = found.space.freedom.free.iter().position(|free| free == parameter)?;
             along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
         }
-        (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0))
+        let added = self.spread.as_ref().map_or(0.0, |spread| spread.variance(&DVector::from_column_slice(gradient)));
+        (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0) + added)
+    }
+
+    /// Factor by which the spread widens a standard deviation of this variance.
+    fn widened_by(&self, gradient: &[f64; COUNT], variance: Option<f64>) -> Option<f64> {
+        let added = self.spread.as_ref()?.variance(&DVector::from_column_slice(gradient));
+        let variance = variance.filter(|variance| *variance > added)?;
+        Some((variance / (variance - added)).sqrt())
     }
 
     pub(crate) fn parameter(&self, found: &Found<'_>, point: &Evaluation, parameter: Parameter) -> Estimate {
@@ -199,8 +250,9 @@ impl Uncertainty {
             estimate.status = Status::AtBound;
             return estimate;
         }
-        let sigma = self.variance(&gradient, found).map(f64::sqrt);
-        self.finish(&mut estimate, sigma.map(|sigma| parameter.outside(sigma)));
+        let variance = self.variance(&gradient, found);
+        estimate.widened_by = self.widened_by(&gradient, variance);
+        self.finish(&mut estimate, variance.map(|variance| parameter.outside(variance.sqrt())));
         if estimate.status == Status::Ok {
             estimate.with = self.correlated_with(parameter);
             if !estimate.with.is_empty() {
@@ -215,10 +267,10 @@ impl Uncertainty {
 
     /// Names of the parameters whose correlation with `parameter` is beyond [`CORRELATED`].
     fn correlated_with(&self, parameter: Parameter) -> Vec<String> {
-        let (Some(matrix), Some(row)) = (&self.matrix, self.inner.iter().position(|p| *p == parameter)) else {
+        let (Some(matrix), Some(row)) = (self.total(), self.inner.iter().position(|p| *p == parameter)) else {
             return Vec::new();
         };
-        let correlation = correlation(matrix);
+        let correlation = correlation(&matrix);
         let close = |&(column, other): &(usize, &Parameter)| {
             column != row && *other != parameter && correlation[(row, column)].abs() > CORRELATED
         };
@@ -273,8 +325,9 @@ impl Uncertainty {
             if at_bound {
                 estimate.status = Status::AtBound;
             }
-            let sigma = self.variance(&gradient, found).map(|variance| (variance + extra).sqrt());
-            self.finish(&mut estimate, sigma);
+            let variance = self.variance(&gradient, found);
+            estimate.widened_by = self.widened_by(&gradient, variance);
+            self.finish(&mut estimate, variance.map(|variance| (variance + extra).sqrt()));
             let noticeable = NOTICEABLE * Parameter::DAir.typical_change();
             let sum = |values: &[f64; COUNT]| gradient.iter().zip(values).map(|(g, value)| g * value).sum();
             mark_ambiguous(&mut estimate, found, self.unit, noticeable, sum);
@@ -285,7 +338,7 @@ impl Uncertainty {
 
     /// Covariance and correlation, user units; empty where they do not exist.
     pub(crate) fn named_matrices(&self, found: &Found<'_>) -> (NamedMatrix, NamedMatrix) {
-        let Some(matrix) = &self.matrix else { return Default::default() };
+        let Some(matrix) = self.total() else { return Default::default() };
         let names: Vec<String> = (self.inner.iter().map(|parameter| parameter.name().to_owned()))
             .chain(self.columns.iter().map(|&i| column_name(&found.linear.columns[i], found.data)))
             .collect();
@@ -296,9 +349,10 @@ impl Uncertainty {
     }
 
     pub(crate) fn nuisances(&self, found: &Found<'_>, point: &Evaluation) -> Vec<NuisanceFound> {
+        let total = self.total();
         let sigma = |i: usize| {
             let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
-            self.matrix.as_ref().map(|matrix| matrix[(place, place)].sqrt())
+            total.as_ref().map(|matrix| matrix[(place, place)].sqrt())
         };
         // A parameter that acts as a scale was held at some value, and the scale with it.
         let conditional = found.held.iter().any(|held| held.absorbed && held.direction.len() == 1);

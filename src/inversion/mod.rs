@@ -9,6 +9,7 @@ mod design;
 mod estimates;
 mod fit;
 pub mod intervals;
+mod jackknife;
 mod marginal;
 mod nuisance;
 mod outcome;
@@ -33,8 +34,8 @@ pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use outcome::{
-    DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound, NamedMatrix,
-    NuisanceFound, Parameters, SCHEMA, SigmaSource, Status, Verdict,
+    CurveResiduals, DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound,
+    NamedMatrix, NuisanceFound, Parameters, SCHEMA, SigmaSource, Status, Verdict,
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;

@@ -70,11 +70,14 @@ pub struct Estimate {
     pub unit: String,
     /// Standard deviation; `None` where it means nothing.
     pub sigma: Option<f64>,
+    /// Factor in `sigma` for how far the answer moves as parts of the data are left out; none unless the model misses them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub widened_by: Option<f64>,
     /// What can be said of the value.
     pub status: Status,
     /// Parameters that it is tied to, where the status says so.
     pub with: Vec<String>,
-    /// Interval of 68.3 %; an end that is open, at a bound, is `None`.
+    /// Interval of 68.3 %; an end that is open, at a bound, is `None`. Of an ambiguous value it spans all that fit.
     pub interval_68: Option<[Option<f64>; 2]>,
     /// Interval of 95 %.
     pub interval_95: Option<[Option<f64>; 2]>,
@@ -93,6 +96,7 @@ impl Estimate {
             value: Some(value),
             unit: unit.to_owned(),
             sigma: None,
+            widened_by: None,
             status: Status::Ok,
             with: Vec::new(),
             interval_68: None,
@@ -219,6 +223,22 @@ pub enum SigmaSource {
     Scatter,
 }
 
+/// The residuals of one curve, in units of their standard deviation: stated, or the scatter about the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CurveResiduals {
+    /// Name of the curve.
+    pub curve: String,
+    /// Its readings.
+    pub readings: usize,
+    /// Sum of squares.
+    pub chi2: f64,
+    /// Correlation of each with the next.
+    pub correlation: f64,
+    /// Runs of one sign less those expected of noise, in standard deviations (Wald and Wolfowitz 1940): far below 0 if
+    /// neighbours agree. `None` unless both signs occur.
+    pub runs_z: Option<f64>,
+}
+
 /// The fitted data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DataFound {
@@ -274,8 +294,14 @@ pub struct FitOutcome {
     pub sigma_source: SigmaSource,
     /// Correlation of each residual with the next of its curve: near 0 for noise.
     pub residual_correlation: f64,
-    /// Factor by which the standard deviations are widened because the model misses the data; 1 if it does not.
+    /// Residuals curve by curve.
+    #[serde(default)]
+    pub curve_residuals: Vec<CurveResiduals>,
+    /// Factor by which the standard deviations are widened because the model misses the data, the geometric mean over the
+    /// parameters where each has its own; 1 if it does not.
     pub widened_by: f64,
+    /// Half-widths of the intervals of 68.3 and 95 % in standard deviations: normal, or Student's t.
+    pub quantiles: [f64; 2],
     /// Factor between these and the deviations by the other rule (stated against scatter); `None` without a stated one.
     pub sigma_ratio: Option<f64>,
     /// Covariance of free parameters and nuisances in use, user units; empty where it does not exist.

@@ -3,10 +3,11 @@
 use crate::inversion::atlas::listed;
 use crate::inversion::combinations::combinations;
 use crate::inversion::estimates::{Found, Uncertainty, as_good, index_ratio};
+use crate::inversion::jackknife::jackknife;
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{
-    DataFound, Derived, Estimate, FitOutcome, FittedReading, IdentifiabilityFound, Parameters, SCHEMA, SigmaSource,
-    Status, Verdict,
+    CurveResiduals, DataFound, Derived, Estimate, FitOutcome, FittedReading, IdentifiabilityFound, Parameters, SCHEMA,
+    SigmaSource, Status, Verdict,
 };
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
@@ -15,6 +16,7 @@ use crate::inversion::settings::Search;
 use crate::inversion::undetermined::{Held, unit_of_residuals};
 use crate::inversion::wording;
 use crate::optimise::Loss;
+use crate::uncertainty::discrepancy::{ResidualTests, is_noise, residual_tests};
 use crate::uncertainty::goodness::excess;
 use crate::uncertainty::identifiability::Identifiability;
 
@@ -78,7 +80,12 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         (false, false) => SigmaSource::Scatter,
     };
     let (plain_unit, unit) = (unit * by_misfit, unit * by_misfit * by_structure);
-    let uncertainty = Uncertainty::new(found, &problem, &point, &in_use, unit, dof, sigma_source);
+    let mut uncertainty = Uncertainty::new(found, &problem, &point, &in_use, unit, dof, sigma_source);
+    let tests = tests_by_curve(found, &readings);
+    // Residuals larger than stated that look like noise are noise: a factor mends it.
+    let bent = structured || (missed && !is_noise(&tests, reduced));
+    let by_spread = if bent { uncertainty.widen(jackknife(found, &point, &in_use), dof) } else { 1.0 };
+    let widened_by = by_misfit * by_structure * by_spread;
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
     let gain = (chi2_of_constants(found) - chi2) / (plain_unit * plain_unit);
@@ -107,11 +114,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         });
     }
     if missed && !by_chance {
-        warnings.push(format!(
-            "the model misses the data by {:.1} times the stated noise; the standard deviations are widened by that factor, \
-             and the split of the layers depends on the model (or the stated sigma is too small)",
-            reduced.sqrt()
-        ));
+        warnings.push(wording::missed(reduced.sqrt(), bent, widened_by));
     }
     if let Some(worst) = outlier(found, &readings, chi2).filter(|_| missed || by_chance) {
         warnings.push(worst);
@@ -119,8 +122,9 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     if structured && !by_chance {
         warnings.push(format!(
             "the model misses the data: neighbouring residuals agree (correlation {:.2}), which noise does not make; the \
-             standard deviations are widened {:.1} times, and the split of the layers depends on the model",
-            correlation_of_residuals.value, by_structure
+             standard deviations are widened {widened_by:.1} times, by that and by how far the answer moves as parts of the \
+             data are left out, and the split of the layers depends on the model",
+            correlation_of_residuals.value
         ));
     }
     if !by_chance {
@@ -146,7 +150,9 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         bic,
         sigma_source,
         residual_correlation: correlation_of_residuals.value,
-        widened_by: by_misfit * by_structure,
+        curve_residuals: curve_residuals(found, &tests),
+        widened_by,
+        quantiles: [uncertainty.quantiles.sixty_eight, uncertainty.quantiles.ninety_five],
         sigma_ratio: found.data.has_sigma().then(|| reduced.sqrt()).filter(|ratio| ratio.is_finite()),
         correlation,
         covariance,
@@ -237,6 +243,24 @@ fn neighbours(found: &Found<'_>, readings: &[FittedReading]) -> Neighbours {
     }
     let value = if squares > 0.0 { products / squares } else { 0.0 };
     Neighbours { value, deviations: value * f64::from(pairs).sqrt() }
+}
+
+/// Tests of the residuals of each curve, with its number of readings.
+fn tests_by_curve(found: &Found<'_>, readings: &[FittedReading]) -> Vec<(ResidualTests, usize)> {
+    let mut curves: Vec<Vec<f64>> = vec![Vec::new(); found.plan.curves];
+    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
+        curves[planned.curve].push(fitted.normalised);
+    }
+    curves.iter().map(|residuals| (residual_tests(residuals), residuals.len())).collect()
+}
+
+fn curve_residuals(found: &Found<'_>, tests: &[(ResidualTests, usize)]) -> Vec<CurveResiduals> {
+    (found.data.curves().iter().zip(tests))
+        .map(|(curve, &(tests, readings))| {
+            let ResidualTests { chi2, correlation, runs } = tests;
+            CurveResiduals { curve: curve.clone(), readings, chi2, correlation, runs_z: runs }
+        })
+        .collect()
 }
 
 /// chi² of the best constant; of one for each curve where the fit has something of its own for each.

@@ -33,6 +33,21 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     }
 }
 
+/// The sentence of a model that misses the data by `times` the stated noise; `bent` if the residuals are no noise.
+pub(crate) fn missed(times: f64, bent: bool, widened_by: f64) -> String {
+    let how = if bent {
+        format!(
+            "the standard deviations are widened {widened_by:.1} times, by that and by how far the answer moves as parts of \
+             the data are left out, and the split of the layers depends on the model"
+        )
+    } else {
+        "the standard deviations are widened by that factor, and the split of the layers depends on the model (or the \
+         stated sigma is too small)"
+            .to_owned()
+    };
+    format!("the model misses the data by {times:.1} times the stated noise; {how}")
+}
+
 /// The combination of two parameters that a step along the undetermined direction leaves alone.
 fn combination(first: (Parameter, f64), second: (Parameter, f64), ratio: f64) -> String {
     let (step_first, step_second) = (first.0.outside(first.1), second.0.outside(second.1));

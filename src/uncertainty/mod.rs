@@ -3,6 +3,7 @@
 
 pub mod convergence;
 pub mod covariance;
+pub mod discrepancy;
 pub mod goodness;
 pub mod identifiability;
 pub mod posterior;

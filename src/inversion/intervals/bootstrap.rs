@@ -3,7 +3,7 @@
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::fit::FitError;
-use crate::inversion::intervals::{IntervalPair, rivals};
+use crate::inversion::intervals::{IntervalPair, rivals, stretched};
 use crate::inversion::outcome::{Fit, SigmaSource};
 use crate::inversion::parameter::COUNT;
 use crate::inversion::problem::Problem;
@@ -139,7 +139,9 @@ pub fn bootstrap(
                 Some([a, b]) => [(a > low + margin).then_some(a), (b < high - margin).then_some(b)],
                 None => [None, None],
             };
-            IntervalPair { interval_68: interval(SIXTY_EIGHT), interval_95: interval(NINETY_FIVE) }
+            let pair = IntervalPair { interval_68: interval(SIXTY_EIGHT), interval_95: interval(NINETY_FIVE) };
+            let best = quantity.outside(quantity.of(&starts[0]));
+            stretched(pair, *quantity, fit, best, [low, high])
         })
         .collect();
     Ok(Bootstrap {

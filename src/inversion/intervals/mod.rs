@@ -13,7 +13,8 @@ pub use compare::{BootstrapFound, IntervalsFound, Method, MethodIntervals, Poste
 pub use posterior::{Posterior, PosteriorSettings, posterior};
 pub use profile::{Profiles, QuantityProfile, profiles};
 
-use crate::inversion::outcome::{FitOutcome, SigmaSource};
+use crate::inversion::outcome::{Fit, FitOutcome, SigmaSource};
+use crate::inversion::quantity::Quantity;
 use crate::inversion::solution::Solution;
 use crate::optimise::Minimum;
 use crate::uncertainty::goodness::{NINETY_FIVE, ONE_SIGMA, student};
@@ -48,6 +49,33 @@ impl Quantiles {
 
     pub(crate) fn of(outcome: &FitOutcome) -> Self {
         Self::new(outcome.sigma_source, outcome.dof)
+    }
+
+    /// Factors on the half-widths of the two intervals of `quantity` for what the model's misses add.
+    fn stretch(self, quantity: Quantity, outcome: &FitOutcome) -> [f64; 2] {
+        let Some(factor) = quantity.estimate(outcome).widened_by else { return [1.0; 2] };
+        let [sixty_eight, ninety_five] = outcome.quantiles;
+        [factor * sixty_eight / self.sixty_eight, factor * ninety_five / self.ninety_five]
+    }
+}
+
+/// Intervals of a method stretched about the best value as those of the covariance are, where the model misses the data;
+/// user units. An end that leaves `limits` is open.
+pub(crate) fn stretched(
+    pair: IntervalPair,
+    quantity: Quantity,
+    fit: &Fit,
+    best: f64,
+    limits: [f64; 2],
+) -> IntervalPair {
+    let [one, two] = Quantiles::of(&fit.outcome).stretch(quantity, &fit.outcome);
+    let end = |end: Option<f64>, factor: f64| {
+        let moved = end.map(|end| best + factor * (end - best))?;
+        (factor <= 1.0 || (limits[0] < moved && moved < limits[1])).then_some(moved)
+    };
+    IntervalPair {
+        interval_68: pair.interval_68.map(|ours| end(ours, one)),
+        interval_95: pair.interval_95.map(|ours| end(ours, two)),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::fit::FitError;
-use crate::inversion::intervals::{IntervalPair, rivals};
+use crate::inversion::intervals::{IntervalPair, rivals, stretched};
 use crate::inversion::marginal::{Likelihood, Noise};
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::COUNT;
@@ -49,7 +49,7 @@ pub struct Posterior {
     pub chains: usize,
     /// Agreement and effective sample size of each quantity; `None` where it does not move.
     pub convergence: Vec<Option<Convergence>>,
-    /// Credible intervals with equal tails, one for each quantity; inside the bounds, so never open.
+    /// Credible intervals with equal tails, one for each quantity; open only where they are stretched to a bound.
     pub intervals: Vec<IntervalPair>,
     /// Share of the posterior about each minimum of the fit, in their order.
     pub weights: Vec<f64>,
@@ -113,18 +113,22 @@ pub fn posterior(
         let chains: Vec<&[f64]> = column.chunks_exact(steps.max(1)).collect();
         Convergence::of(&chains)
     };
-    let intervals = |column: &Vec<f64>| {
+    let at_best = solution.searched.freedom.expand(&solution.minima[0].parameters);
+    let intervals = |(column, &quantity): (&Vec<f64>, &Quantity)| {
         let mut rising = column.clone();
         rising.sort_by(f64::total_cmp);
         let interval = |share| central(&rising, share).map_or([None, None], |ends| ends.map(Some));
-        IntervalPair { interval_68: interval(SIXTY_EIGHT), interval_95: interval(NINETY_FIVE) }
+        let pair = IntervalPair { interval_68: interval(SIXTY_EIGHT), interval_95: interval(NINETY_FIVE) };
+        let (low, high) = quantity.limits(&solution.searched);
+        let (best, limits) = (quantity.outside(quantity.of(&at_best)), [low, high].map(|end| quantity.outside(end)));
+        stretched(pair, quantity, fit, best, limits)
     };
     Ok(Posterior {
         names: quantities.iter().map(|quantity| quantity.name()).collect(),
         units: quantities.iter().map(|quantity| quantity.unit()).collect(),
         chains: drawn.chains,
         convergence: columns.iter().map(convergence).collect(),
-        intervals: columns.iter().map(intervals).collect(),
+        intervals: columns.iter().zip(&quantities).map(intervals).collect(),
         weights: weights(solution, &drawn.samples),
         evaluations: drawn.evaluations,
         acceptance: [drawn.independence.share(), drawn.evolution.share()],

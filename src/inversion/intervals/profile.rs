@@ -3,7 +3,7 @@
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::fit::FitError;
-use crate::inversion::intervals::{IntervalPair, Quantiles, rivals};
+use crate::inversion::intervals::{IntervalPair, Quantiles, rivals, stretched};
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::{COUNT, outside};
 use crate::inversion::problem::Problem;
@@ -143,6 +143,8 @@ impl Task<'_> {
         let lower = lowest.filter(|point| point.1 < -LOWER).map(|point| point.2);
         let outside = |interval: [Option<f64>; 2]| interval.map(|end| end.map(|end| quantity.outside(end)));
         let interval = |place: usize| found.intervals.get(place).copied().map_or([None, None], outside);
+        let intervals = IntervalPair { interval_68: interval(0), interval_95: interval(1) };
+        let outer = [quantity.outside(limits.0), quantity.outside(limits.1)];
         let profile = QuantityProfile {
             name: quantity.name(),
             unit: quantity.unit(),
@@ -151,8 +153,8 @@ impl Task<'_> {
             values: points.iter().map(|point| point.0).collect(),
             excess: points.iter().map(|point| point.1).collect(),
             parameters: points.iter().map(|point| point.2).collect(),
-            intervals: IntervalPair { interval_68: interval(0), interval_95: interval(1) },
-            limits: [quantity.outside(limits.0), quantity.outside(limits.1)],
+            intervals: stretched(intervals, quantity, self.fit, quantity.outside(start.value), outer),
+            limits: outer,
             levels: [sixty_eight * sixty_eight, ninety_five * ninety_five],
         };
         (profile, lower)
