@@ -22,7 +22,7 @@ impl<'a> Compiled<'a> {
         settings: &'a FitSettings,
         model: &'a dyn ReflectivityModel,
     ) -> Result<Self, OpticsError> {
-        Ok(Self::of(data, settings, Plan::new(data, model)?))
+        Ok(Self::of(data, settings, Plan::new(data, model, settings.parts)?))
     }
 
     /// Compiles about `limit` of the readings, evenly chosen.
@@ -32,7 +32,7 @@ impl<'a> Compiled<'a> {
         model: &'a dyn ReflectivityModel,
         limit: usize,
     ) -> Result<Self, OpticsError> {
-        Ok(Self::of(data, settings, Plan::thinned(data, model, limit)?))
+        Ok(Self::of(data, settings, Plan::thinned(data, model, settings.parts, limit)?))
     }
 
     fn of(data: &'a Dataset, settings: &'a FitSettings, plan: Plan<'a>) -> Self {

@@ -1,5 +1,6 @@
 //! The inverse problem: from a measured data set to the structure that made it. The one join of optics, data and optimiser.
 
+mod choice;
 mod compiled;
 mod estimates;
 mod fit;
@@ -16,6 +17,7 @@ mod summary;
 mod undetermined;
 mod wording;
 
+pub use choice::{Choice, ChoiceFound, Criterion, FOLDS, Standing, VariantFound, choose};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use outcome::{
@@ -24,4 +26,4 @@ pub use outcome::{
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
-pub use settings::{FitSettings, ModelChoice, Search, SettingsError};
+pub use settings::{FitSettings, ModelChoice, Parts, Search, SettingsError};

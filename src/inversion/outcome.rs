@@ -1,5 +1,6 @@
 //! What a fit found, in the user's units, ready to be written as `fit.json`.
 
+use crate::inversion::choice::ChoiceFound;
 use crate::inversion::settings::FitSettings;
 use crate::inversion::solution::Solution;
 use crate::optimise::Termination;
@@ -286,6 +287,9 @@ pub struct FitOutcome {
     pub program: String,
     /// What was fitted.
     pub data: DataFound,
+    /// What this variant of the model was chosen from, where there was a choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<ChoiceFound>,
 }
 
 /// One row of `curves.csv`: a reading beside the model.

@@ -11,6 +11,7 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::parameter::COUNT;
+use crate::inversion::settings::Parts;
 use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::Period;
 use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
@@ -93,20 +94,25 @@ impl Terms {
 }
 
 impl<'a> Plan<'a> {
-    /// Compiles `data` for `model`.
+    /// Compiles `data` for the `parts` of `model`.
     ///
     /// # Errors
     /// [`OpticsError`] if a medium has no valid index at a wavelength of the data, or the model cannot hold the media.
-    pub fn new(data: &Dataset, model: &'a dyn ReflectivityModel) -> Result<Self, OpticsError> {
+    pub fn new(data: &Dataset, model: &'a dyn ReflectivityModel, parts: Parts) -> Result<Self, OpticsError> {
         let all: Vec<usize> = (0..data.readings().len()).collect();
-        Self::of_rows(data, model, &all)
+        Self::of_rows(data, model, parts, &all)
     }
 
     /// [`Plan::new`] for about `limit` readings of all: one from each run of neighbours in a curve; short curves are kept.
     ///
     /// Which one of a run is spread by the golden ratio: a fixed stride would take the same angles from each scan wherever
     /// it shares a factor with the length of a scan, and then the search sees none of the others.
-    pub(crate) fn thinned(data: &Dataset, model: &'a dyn ReflectivityModel, limit: usize) -> Result<Self, OpticsError> {
+    pub(crate) fn thinned(
+        data: &Dataset,
+        model: &'a dyn ReflectivityModel,
+        parts: Parts,
+        limit: usize,
+    ) -> Result<Self, OpticsError> {
         let stride = data.readings().len().div_ceil(limit.max(1)).max(1);
         let mut curves: Vec<Vec<usize>> = vec![Vec::new(); data.curves().len()];
         for (row, reading) in data.readings().iter().enumerate() {
@@ -119,10 +125,15 @@ impl<'a> Plan<'a> {
             rows.extend(curve.chunks(stride).enumerate().map(|(place, run)| spread(place, run)));
         }
         rows.sort_unstable();
-        Self::of_rows(data, model, &rows)
+        Self::of_rows(data, model, parts, &rows)
     }
 
-    fn of_rows(data: &Dataset, model: &'a dyn ReflectivityModel, rows: &[usize]) -> Result<Self, OpticsError> {
+    fn of_rows(
+        data: &Dataset,
+        model: &'a dyn ReflectivityModel,
+        parts: Parts,
+        rows: &[usize],
+    ) -> Result<Self, OpticsError> {
         model.validate()?;
         let mut plan = Self {
             model,
@@ -139,7 +150,7 @@ impl<'a> Plan<'a> {
         let mut lobe_index = FxHashMap::default();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
-            let (share_a, share_b) = reading.geometry.plane_shares();
+            let (share_a, share_b) = parts.shares(reading.geometry.plane_shares());
             let wavelength = reading.wavelength;
             let mut planned = PlannedReading {
                 lamella: 0,

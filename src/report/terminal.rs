@@ -1,5 +1,6 @@
 //! The report of a fit for a terminal: one screen, what matters most first.
 
+use super::choice;
 use super::digits::{plain, with_sigma};
 use super::table::{Align, Table};
 use super::wording;
@@ -40,6 +41,10 @@ pub fn text(fit: &Fit, width: usize) -> String {
     report.push('\n');
     for line in [nuisances(&outcome.nuisance), goodness(outcome), minima(outcome), data(outcome)] {
         report.push_str(&wrapped(&line, "  ", "    ", width));
+    }
+    if let Some(found) = &outcome.choice {
+        report.push_str(&format!("\n{}", choice::table(found)));
+        report.push_str(&wrapped(&found.rule, "  ", "  ", width));
     }
     report
 }

@@ -1,6 +1,6 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
-use crate::args::{FitArgs, OutputArgs};
+use crate::args::{FitArgs, ModelWord, OutputArgs};
 use crate::exit::Outcome;
 use crate::options::Problem;
 use crate::output::{self, Folder};
@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::Dataset;
 use morpho_fit::export::{curves_csv, fit_json};
-use morpho_fit::inversion::{Fit, FitOutcome, Parameter, Status, Verdict, fit};
+use morpho_fit::inversion::{Fit, FitOutcome, Parameter, Status, Verdict, choose, fit};
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::{Figure, draw};
 use morpho_fit::report::{terminal, wording};
@@ -20,9 +20,9 @@ const WIDTH: usize = 100;
 
 pub(crate) fn run(args: &FitArgs) -> Result<Outcome> {
     let began = Instant::now();
-    let problem = Problem::read(&args.problem)?;
+    let problem = Problem::read_for_any(&args.problem)?;
     let folder = Folder::open(&place(&args.output, &problem.file))?;
-    let found = work(&problem, &folder, &args.output).inspect_err(|_| folder.abandon())?;
+    let found = work(&problem, &folder, args).inspect_err(|_| folder.abandon())?;
     let Files { fit, json, names } = found;
     if args.output.json {
         output::print(&json)?;
@@ -53,21 +53,26 @@ struct Files {
     names: Vec<&'static str>,
 }
 
-fn work(problem: &Problem, folder: &Folder, args: &OutputArgs) -> Result<Files> {
+fn work(problem: &Problem, folder: &Folder, args: &FitArgs) -> Result<Files> {
     let Problem { file, data, settings, .. } = problem;
-    let progress = Progress::new(args.quiet);
-    let mut fit = fit(data, settings, &|what| progress.tell(what)).with_context(|| file.clone())?;
+    let progress = Progress::new(args.output.quiet);
+    let tell = |what: &str| progress.tell(what);
+    let found = match args.problem.model.model {
+        ModelWord::Auto => choose(data, settings, &tell).map(|choice| choice.fit),
+        ModelWord::Blend | ModelWord::Paper => fit(data, settings, &tell),
+    };
+    let mut fit = found.with_context(|| file.clone())?;
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }
     progress.tell("writing the results");
     let json = fit_json(&fit.outcome)?;
     let mut files = vec![("fit.json", json.clone()), ("curves.csv", curves_csv(data, &fit)?)];
-    if !args.no_plots {
+    if !args.output.no_plots {
         files.extend(plots(file, data, &fit)?);
     }
     folder.write(&files)?;
-    if args.no_plots {
+    if args.output.no_plots {
         folder.remove_stale(&PICTURES);
     }
     Ok(Files { fit, json, names: files.into_iter().map(|(name, _)| name).collect() })
