@@ -379,3 +379,28 @@ fn help_lists_every_flag_with_its_unit() {
     assert!(succeeds(&folder, "--version").out.starts_with("morpho-fit "));
     assert_eq!(run(&folder, "").code, 2);
 }
+
+#[test]
+fn model_auto_prints_its_table_and_leaves_a_fit_that_can_be_made_again() {
+    let folder = with_blue();
+    let ended = succeeds(&folder, "blue.csv --model auto --out chosen --no-plots");
+    for words in ["variant ", "held-out", "blend + tilt ", "kept", "multilayer + tilt + background", "loses: "] {
+        assert!(ended.out.contains(words), "{words}: {}", ended.out);
+    }
+    let mut found = outcome(&folder, "chosen");
+    let table = found.choice.take().unwrap();
+    assert_eq!(table.variants.len(), 10);
+    assert!(ended.out.replace("\n  ", " ").contains(&table.rule), "{}", ended.out);
+    // The kept variant is the plain model here, whose own fit has no table.
+    succeeds(&folder, "blue.csv --out plain --no-plots");
+    assert_eq!(found, outcome(&folder, "plain"));
+
+    write(&folder, "auto.toml", "model = \"auto\"\nfix = [\"delta=2.5\"]\n");
+    succeeds(&folder, "blue.csv --settings auto.toml --out file --no-plots --quiet");
+    assert_eq!(outcome(&folder, "file").choice.unwrap().variants.len(), 6);
+    for arguments in ["check blue.csv --model auto", "check blue.csv --settings auto.toml", "simulate --model auto"] {
+        let ended = run(&folder, arguments);
+        assert_eq!(ended.code, 2, "{arguments}: {}", ended.out);
+        assert!(ended.err.contains("give --model blend or --model paper"), "{}", ended.err);
+    }
+}

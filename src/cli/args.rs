@@ -356,6 +356,9 @@ pub(crate) enum ModelWord {
     Blend,
     /// The printed formulas.
     Paper,
+    /// For a fit: the smallest variant of `blend` that does not lose, of lamellae or multilayer or both, delta 0 or free,
+    /// without a background or with one. What is fixed stays fixed.
+    Auto,
 }
 
 words!(SnellWord => Snell {

@@ -24,8 +24,14 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    /// Reads the data and checks every choice.
+    /// Reads the data and checks every choice, for one model.
     pub(crate) fn read(args: &ProblemArgs) -> Result<Self> {
+        one_model(&args.model)?;
+        Self::read_for_any(args)
+    }
+
+    /// The same for a command that can choose among the variants of a model.
+    pub(crate) fn read_for_any(args: &ProblemArgs) -> Result<Self> {
         let settings = settings(args)?;
         threads(&args.nuisances)?;
         let path = args.data.as_deref().ok_or_else(|| Usage("give a CSV file".to_owned()))?;
@@ -138,6 +144,13 @@ fn settings(args: &ProblemArgs) -> Result<FitSettings> {
     Ok(settings)
 }
 
+/// Refuses to choose a model.
+pub(crate) fn one_model(args: &ModelArgs) -> Result<(), Usage> {
+    let problem =
+        "--model auto compares fits and is for `morpho-fit fit` alone; here give --model blend or --model paper";
+    if args.model == ModelWord::Auto { Err(Usage(problem.to_owned())) } else { Ok(()) }
+}
+
 pub(crate) fn model(args: &ModelArgs) -> Result<ModelChoice, Usage> {
     match args.model {
         ModelWord::Paper => Ok(ModelChoice::Paper {
@@ -145,7 +158,7 @@ pub(crate) fn model(args: &ModelArgs) -> Result<ModelChoice, Usage> {
             admittance: args.admittance.map(crate::args::AdmittanceWord::value).unwrap_or_default(),
             lamella_unit: args.lamella_unit.unwrap_or_default(),
         }),
-        ModelWord::Blend => {
+        ModelWord::Blend | ModelWord::Auto => {
             let given = [
                 ("--snell", args.snell.is_some()),
                 ("--admittance", args.admittance.is_some()),

@@ -24,7 +24,7 @@ impl<'a> Compiled<'a> {
         settings: &'a FitSettings,
         model: &'a dyn ReflectivityModel,
     ) -> Result<Self, OpticsError> {
-        Ok(Self::of(data, settings, Plan::new(data, model)?))
+        Ok(Self::of(data, settings, Plan::new(data, model, settings.parts)?))
     }
 
     /// Compiles about `limit` of the readings, evenly chosen.
@@ -34,7 +34,7 @@ impl<'a> Compiled<'a> {
         model: &'a dyn ReflectivityModel,
         limit: usize,
     ) -> Result<Self, OpticsError> {
-        Ok(Self::of(data, settings, Plan::thinned(data, model, limit)?))
+        Ok(Self::of(data, settings, Plan::thinned(data, model, settings.parts, limit)?))
     }
 
     /// Compiles the data of a fit again.
@@ -65,7 +65,7 @@ impl<'a> Compiled<'a> {
         model: &'a dyn ReflectivityModel,
         rows: &[usize],
     ) -> Result<Self, OpticsError> {
-        Ok(Self::of(data, settings, Plan::of_rows(data, model, rows)?))
+        Ok(Self::of(data, settings, Plan::of_rows(data, model, settings.parts, rows)?))
     }
 
     fn of(data: &'a Dataset, settings: &'a FitSettings, plan: Plan<'a>) -> Self {

@@ -3,6 +3,7 @@
 mod advice;
 mod atlas;
 mod candidates;
+mod choice;
 mod combinations;
 mod compiled;
 mod design;
@@ -29,6 +30,7 @@ mod wording;
 
 pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitExpected, advise};
 pub use atlas::{ChiSquareMap, Relation, chi_square_map};
+pub use choice::{Choice, ChoiceFound, Criterion, FOLDS, Standing, VariantFound, choose};
 pub use combinations::Combination;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
@@ -39,4 +41,4 @@ pub use outcome::{
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
-pub use settings::{FitSettings, ModelChoice, Search, SettingsError};
+pub use settings::{FitSettings, ModelChoice, Parts, Search, SettingsError};

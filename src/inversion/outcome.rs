@@ -2,6 +2,7 @@
 
 use crate::inversion::advice::AdviceFound;
 use crate::inversion::atlas::Relation;
+use crate::inversion::choice::ChoiceFound;
 use crate::inversion::combinations::Combination;
 use crate::inversion::intervals::UncertaintyFound;
 use crate::inversion::settings::FitSettings;
@@ -333,6 +334,9 @@ pub struct FitOutcome {
     pub program: String,
     /// What was fitted.
     pub data: DataFound,
+    /// What this variant of the model was chosen from, where there was a choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<ChoiceFound>,
 }
 
 /// One row of `curves.csv`: a reading beside the model.

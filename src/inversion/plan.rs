@@ -11,6 +11,7 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::parameter::COUNT;
+use crate::inversion::settings::Parts;
 use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::Period;
 use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
@@ -93,18 +94,23 @@ impl Terms {
 }
 
 impl<'a> Plan<'a> {
-    /// Compiles `data` for `model`.
+    /// Compiles `data` for the `parts` of `model`.
     ///
     /// # Errors
     /// [`OpticsError`] if a medium has no valid index at a wavelength of the data, or the model cannot hold the media.
-    pub fn new(data: &Dataset, model: &'a dyn ReflectivityModel) -> Result<Self, OpticsError> {
+    pub fn new(data: &Dataset, model: &'a dyn ReflectivityModel, parts: Parts) -> Result<Self, OpticsError> {
         let all: Vec<usize> = (0..data.readings().len()).collect();
-        Self::of_rows(data, model, &all)
+        Self::of_rows(data, model, parts, &all)
     }
 
     /// [`Plan::new`] for about `limit` readings of all.
-    pub(crate) fn thinned(data: &Dataset, model: &'a dyn ReflectivityModel, limit: usize) -> Result<Self, OpticsError> {
-        Self::of_rows(data, model, &Self::thinned_rows(data, limit))
+    pub(crate) fn thinned(
+        data: &Dataset,
+        model: &'a dyn ReflectivityModel,
+        parts: Parts,
+        limit: usize,
+    ) -> Result<Self, OpticsError> {
+        Self::of_rows(data, model, parts, &Self::thinned_rows(data, limit))
     }
 
     /// About `limit` rows of all: one from each run of neighbours in a curve; short curves are kept.
@@ -131,6 +137,7 @@ impl<'a> Plan<'a> {
     pub(crate) fn of_rows(
         data: &Dataset,
         model: &'a dyn ReflectivityModel,
+        parts: Parts,
         rows: &[usize],
     ) -> Result<Self, OpticsError> {
         model.validate()?;
@@ -149,7 +156,7 @@ impl<'a> Plan<'a> {
         let mut lobe_index = FxHashMap::default();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
-            let (share_a, share_b) = reading.geometry.plane_shares();
+            let (share_a, share_b) = parts.shares(reading.geometry.plane_shares());
             let wavelength = reading.wavelength;
             let mut planned = PlannedReading {
                 lamella: 0,

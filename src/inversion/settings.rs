@@ -37,6 +37,39 @@ impl ModelChoice {
     }
 }
 
+/// Which of the two parts of the model the light comes from.
+///
+/// A part that is left out reflects nothing, and the parameters of it alone do nothing: `delta` and `phi_alpha` without
+/// the multilayer, `lamella_width` without the lamellae.
+///
+/// ```
+/// use morpho_fit::inversion::Parts;
+/// assert_eq!(Parts::Multilayer.shares((0.25, 0.75)), (0.0, 0.75));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Parts {
+    /// Model A and Model B.
+    #[default]
+    Both,
+    /// Model A alone: diffraction by the lamellae.
+    Lamella,
+    /// Model B alone: the tilted and curved multilayer.
+    Multilayer,
+}
+
+impl Parts {
+    /// The shares `(cos² omega, sin² omega)` of a reading's plane in A and in B, 0 for a part that is left out.
+    #[must_use]
+    pub fn shares(self, (lamella, multilayer): (f64, f64)) -> (f64, f64) {
+        match self {
+            Self::Both => (lamella, multilayer),
+            Self::Lamella => (lamella, 0.0),
+            Self::Multilayer => (0.0, multilayer),
+        }
+    }
+}
+
 /// Where the search for the minimum begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -54,6 +87,9 @@ pub enum Search {
 pub struct FitSettings {
     /// The forward model.
     pub model: ModelChoice,
+    /// Which of its two parts are there.
+    #[serde(default)]
+    pub parts: Parts,
     /// Media and layer count.
     pub stack: Stack,
     /// What each of the five parameters may do, in the order of [`Parameter::ALL`].
@@ -84,6 +120,7 @@ impl Default for FitSettings {
     fn default() -> Self {
         Self {
             model: ModelChoice::default(),
+            parts: Parts::default(),
             stack: Stack::default(),
             roles: Parameter::ALL.map(|parameter| {
                 let (lower, upper) = parameter.default_bounds();

@@ -172,6 +172,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
             curves: found.data.curves().to_vec(),
             notes: found.data.notes().to_vec(),
         },
+        choice: None,
     };
     Some(Summary { outcome, readings, unit })
 }

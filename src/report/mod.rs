@@ -1,5 +1,6 @@
 //! Results in words: the one-screen report, the captions of plots, the sentences of the verdict.
 
+mod choice;
 mod digits;
 mod table;
 pub mod terminal;

@@ -1,5 +1,6 @@
 //! The report of a fit for a terminal: one screen, what matters most first.
 
+use super::choice;
 use super::digits::{plain, with_sigma};
 use super::table::{Align, Table};
 use super::wording;
@@ -42,6 +43,10 @@ pub fn text(fit: &Fit, width: usize) -> String {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
     report.push_str(&rivals(outcome, width));
+    if let Some(found) = &outcome.choice {
+        report.push_str(&format!("\n{}", choice::table(found)));
+        report.push_str(&wrapped(&found.rule, "  ", "  ", width));
+    }
     let next = advice(&outcome.advice, width);
     if !next.is_empty() {
         report.push('\n');

@@ -1,6 +1,6 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
-use crate::args::{FitArgs, OutputArgs, UncertaintyWord};
+use crate::args::{FitArgs, ModelWord, OutputArgs, UncertaintyWord};
 use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::exit::Outcome;
 use crate::options::Problem;
@@ -9,7 +9,9 @@ use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::Dataset;
 use morpho_fit::export::{curves_csv, fit_json};
-use morpho_fit::inversion::{Ask, Fit, FitOutcome, Parameter, Search, Status, Verdict, advise, chi_square_map, fit};
+use morpho_fit::inversion::{
+    Ask, Fit, FitOutcome, Parameter, Search, Status, Verdict, advise, chi_square_map, choose, fit,
+};
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
 use morpho_fit::plot::{Figure, draw};
@@ -20,7 +22,7 @@ use std::time::Instant;
 /// Fits; `command` is the method whose word the command line began with.
 pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
     let began = Instant::now();
-    let problem = Problem::read(&args.problem)?;
+    let problem = Problem::read_for_any(&args.problem)?;
     let folder = Folder::open(&place(&args.output, &problem.file))?;
     let found = work(&problem, &folder, args, command).inspect_err(|_| folder.abandon())?;
     let Files { fit, json, names } = found;
@@ -62,7 +64,11 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     let Problem { file, data, settings, .. } = problem;
     let progress = Progress::new(args.output.quiet);
     let tell = |what: &str| progress.tell(what);
-    let mut fit = fit(data, settings, &tell).with_context(|| file.clone())?;
+    let found = match args.problem.model.model {
+        ModelWord::Auto => choose(data, settings, &tell).map(|choice| choice.fit),
+        ModelWord::Blend | ModelWord::Paper => fit(data, settings, &tell),
+    };
+    let mut fit = found.with_context(|| file.clone())?;
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }

@@ -11,6 +11,7 @@ use morpho_fit::synthetic::{Scan, simulate};
 use std::ffi::OsString;
 
 pub(crate) fn run(args: &SimulateArgs, line: &[OsString]) -> Result<Outcome> {
+    options::one_model(&args.model)?;
     let measurement = &args.measurement;
     let structure = structure(args);
     let model = options::model(&args.model)?.build(options::stack(&args.model)?);
