@@ -14,7 +14,7 @@ const NAMED: f64 = 0.1;
 /// A principal direction of what is known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
-    /// Names of the parameters that take part, the strongest first.
+    /// Names of the parameters that take part, the strongest first; of thicknesses d_air.
     pub names: Vec<String>,
     /// Their coefficients, in the user's units, that of the first being 1.
     pub coefficients: Vec<f64>,
@@ -28,6 +28,10 @@ pub struct Combination {
     pub of_range: f64,
 }
 
+fn is_thickness(parameter: Parameter) -> bool {
+    matches!(parameter, Parameter::DAir | Parameter::DCuticle)
+}
+
 /// The directions of what was determined, the stiffest first; `unit` is the standard deviation of a weighted residual.
 pub(crate) fn combinations(solution: &Solution, unit: f64) -> Vec<Combination> {
     let space = &solution.space;
@@ -35,10 +39,14 @@ pub(crate) fn combinations(solution: &Solution, unit: f64) -> Vec<Combination> {
     let analysis = Identifiability::new(&(&solution.best.triangle / unit), &space.ranges);
     let of = |direction: &Direction| {
         let parts = direction.parts();
-        let strongest = *parts.first()?;
-        let largest = direction.components[strongest].abs();
-        let taking: Vec<usize> =
+        let largest = direction.components[*parts.first()?].abs();
+        let mut taking: Vec<usize> =
             parts.into_iter().filter(|&part| direction.components[part].abs() >= NAMED * largest).collect();
+        // Sums of thicknesses are read with d_air first.
+        if taking.iter().all(|&part| is_thickness(space.freedom.free[part])) {
+            taking.sort_unstable();
+        }
+        let strongest = *taking.first()?;
         let parameters: Vec<Parameter> = taking.iter().map(|&part| space.freedom.free[part]).collect();
         // d(combination)/d(parameter) for a step of one range along the direction, in the user's units.
         let slope = |part: usize| direction.components[part] / space.freedom.free[part].outside(space.ranges[part]);
@@ -48,8 +56,8 @@ pub(crate) fn combinations(solution: &Solution, unit: f64) -> Vec<Combination> {
             .map(|(parameter, coefficient)| coefficient * parameter.outside(values[parameter.index()]))
             .sum::<f64>();
         let sigma = direction.deviation / first.abs();
-        let thicknesses = parameters.iter().all(|p| matches!(p, Parameter::DAir | Parameter::DCuticle));
-        let adds_up = thicknesses && coefficients.iter().all(|coefficient| *coefficient > 0.0);
+        let adds_up =
+            parameters.iter().copied().all(is_thickness) && coefficients.iter().all(|coefficient| *coefficient > 0.0);
         sigma.is_finite().then(|| Combination {
             names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
             coefficients,

@@ -19,6 +19,7 @@ mod plan;
 mod problem;
 mod prospect;
 mod quantity;
+mod residuals;
 mod search;
 mod settings;
 mod solution;
@@ -26,6 +27,7 @@ mod space;
 mod summary;
 mod truth;
 mod undetermined;
+mod warnings;
 mod wording;
 
 pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitExpected, advise};

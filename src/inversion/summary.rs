@@ -2,21 +2,22 @@
 
 use crate::inversion::atlas::listed;
 use crate::inversion::combinations::combinations;
-use crate::inversion::estimates::{Found, Uncertainty, as_good, index_ratio};
+use crate::inversion::estimates::{Found, Uncertainty, index_ratio};
 use crate::inversion::jackknife::jackknife;
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{
-    CurveResiduals, DataFound, Derived, Estimate, FitOutcome, FittedReading, IdentifiabilityFound, Parameters, SCHEMA,
-    SigmaSource, Status, Verdict,
+    DataFound, Derived, Estimate, FitOutcome, FittedReading, IdentifiabilityFound, Parameters, SCHEMA, SigmaSource,
+    Status, Verdict,
 };
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
 use crate::inversion::quantity::indices;
+use crate::inversion::residuals::{curve_residuals, neighbours, tests_by_curve};
 use crate::inversion::settings::Search;
 use crate::inversion::undetermined::{Held, unit_of_residuals};
-use crate::inversion::wording;
+use crate::inversion::{warnings, wording};
 use crate::optimise::Loss;
-use crate::uncertainty::discrepancy::{ResidualTests, is_noise, residual_tests};
+use crate::uncertainty::discrepancy::is_noise;
 use crate::uncertainty::goodness::excess;
 use crate::uncertainty::identifiability::Identifiability;
 
@@ -28,10 +29,6 @@ const STRUCTURED: f64 = 5.0;
 const UNHEARD: f64 = 0.05;
 /// Scatter below this share of the largest reading is rounding.
 const ROUNDING: f64 = 1e-6;
-/// A correlation beyond this counts as this: the rule for it has no limit.
-const MOST_CORRELATED: f64 = 0.99;
-/// A reading with more than this share of chi² is named.
-const OUTLIER: f64 = 0.5;
 /// A model that lowers chi² by less than this below the best constant says nothing: of 300 sets of pure noise the fit
 /// gained 21 at most, 15 in one of twenty (172 readings, two nuisances; each more adds about 1).
 const CHANCE: f64 = 30.0;
@@ -113,26 +110,20 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
             )
         });
     }
-    if missed && !by_chance {
-        warnings.push(wording::missed(reduced.sqrt(), bent, widened_by));
+    if (missed || structured) && !by_chance {
+        let times = missed.then(|| reduced.sqrt());
+        let correlation = structured.then_some(correlation_of_residuals.value);
+        warnings.push(wording::missed(times, correlation, bent, widened_by));
     }
-    if let Some(worst) = outlier(found, &readings, chi2).filter(|_| missed || by_chance) {
+    if let Some(worst) = warnings::outlier(found, &readings, chi2).filter(|_| missed || by_chance) {
         warnings.push(worst);
-    }
-    if structured && !by_chance {
-        warnings.push(format!(
-            "the model misses the data: neighbouring residuals agree (correlation {:.2}), which noise does not make; the \
-             standard deviations are widened {widened_by:.1} times, by that and by how far the answer moves as parts of the \
-             data are left out, and the split of the layers depends on the model",
-            correlation_of_residuals.value
-        ));
     }
     if !by_chance {
         warnings.extend(identifiability.undetermined.iter().cloned());
-        warnings.extend(warn_of_hidden_scale(found));
-        warnings.extend(warn_of_open_intervals(found, &estimates));
-        warnings.extend(warn_of_bounds(&estimates));
-        warnings.extend(warn_of_others(found, &estimates, unit));
+        warnings.extend(warnings::hidden_scale(found));
+        warnings.extend(warnings::open_intervals(found, &estimates));
+        warnings.extend(warnings::bounds(&estimates));
+        warnings.extend(warnings::others(found, &estimates, unit));
     }
     let (covariance, correlation) = uncertainty.named_matrices(found);
     let (aicc, bic) = criteria(found.data.has_sigma(), chi2, found.plan.len(), unknowns);
@@ -215,55 +206,6 @@ fn robust(found: &Found<'_>, readings: &[FittedReading], dof: usize) -> Option<R
     Some(Robust { cost: scale * scale * rho, unit: scale * (pull / dof * (weight / n)).sqrt() / slope })
 }
 
-/// Correlation of each residual with the next one of its curve.
-#[derive(Debug, Clone, Copy)]
-struct Neighbours {
-    value: f64,
-    /// In units of its standard deviation for noise, `1/sqrt(pairs)`.
-    deviations: f64,
-}
-
-impl Neighbours {
-    /// Factor on standard deviations: of `n` readings so correlated only `n (1 - r)/(1 + r)` are independent.
-    fn widening(&self) -> f64 {
-        let r = self.value.min(MOST_CORRELATED);
-        ((1.0 + r) / (1.0 - r)).sqrt()
-    }
-}
-
-/// The lag-1 autocorrelation of the weighted residuals, in the order of the data, over all curves.
-fn neighbours(found: &Found<'_>, readings: &[FittedReading]) -> Neighbours {
-    let mut last: Vec<Option<f64>> = vec![None; found.plan.curves];
-    let (mut products, mut squares, mut pairs) = (0.0, 0.0, 0_u32);
-    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
-        squares += fitted.normalised * fitted.normalised;
-        if let Some(before) = last[planned.curve].replace(fitted.normalised) {
-            products += before * fitted.normalised;
-            pairs += 1;
-        }
-    }
-    let value = if squares > 0.0 { products / squares } else { 0.0 };
-    Neighbours { value, deviations: value * f64::from(pairs).sqrt() }
-}
-
-/// Tests of the residuals of each curve, with its number of readings.
-fn tests_by_curve(found: &Found<'_>, readings: &[FittedReading]) -> Vec<(ResidualTests, usize)> {
-    let mut curves: Vec<Vec<f64>> = vec![Vec::new(); found.plan.curves];
-    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
-        curves[planned.curve].push(fitted.normalised);
-    }
-    curves.iter().map(|residuals| (residual_tests(residuals), residuals.len())).collect()
-}
-
-fn curve_residuals(found: &Found<'_>, tests: &[(ResidualTests, usize)]) -> Vec<CurveResiduals> {
-    (found.data.curves().iter().zip(tests))
-        .map(|(curve, &(tests, readings))| {
-            let ResidualTests { chi2, correlation, runs } = tests;
-            CurveResiduals { curve: curve.clone(), readings, chi2, correlation, runs_z: runs }
-        })
-        .collect()
-}
-
 /// chi² of the best constant; of one for each curve where the fit has something of its own for each.
 fn chi2_of_constants(found: &Found<'_>) -> f64 {
     let nuisances = &found.settings.nuisances;
@@ -337,72 +279,4 @@ fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
         undetermined: held.into_iter().map(|held| wording::undetermined(held, ratio)).collect(),
         combinations: combinations(found.solution, unit),
     }
-}
-
-/// A warning if one reading makes up most of chi².
-fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) -> Option<String> {
-    let size = |row: usize| readings[row].residual.abs() * found.plan.readings[row].weight;
-    let worst = (0..readings.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
-    let line = found.data.readings()[worst].line;
-    let place = if line > 0 { format!("line {line}") } else { format!("reading {}", worst + 1) };
-    (size(worst).powi(2) > OUTLIER * chi2).then(|| {
-        format!("one reading makes up most of chi²: {place}; leave it out or use a robust loss (huber, cauchy)")
-    })
-}
-
-fn warn_of_bounds(estimates: &[Estimate; COUNT]) -> Vec<String> {
-    (Parameter::ALL.iter().zip(estimates))
-        .filter(|(_, estimate)| estimate.status == Status::AtBound)
-        .map(|(parameter, estimate)| {
-            let value = estimate.value.unwrap_or_default();
-            let unit = parameter.unit();
-            let hint = if *parameter == Parameter::Delta {
-                " (or is phi the other way round? a mirror reflects theta = 20 into phi = -20)"
-            } else {
-                ""
-            };
-            format!(
-                "{parameter} ended on its bound {value:.4} {unit}: widen it with --bounds {parameter}=LOW:HIGH{hint}"
-            )
-        })
-        .collect()
-}
-
-/// A warning if the lobe acts as a scale although none is fitted.
-fn warn_of_hidden_scale(found: &Found<'_>) -> Option<String> {
-    let free = &found.searched.freedom.free;
-    // A width that the data do not feel, as in the mirror direction of a fixed tilt, was taken out of the fit.
-    let lobe = free.contains(&Parameter::Delta) || found.space.freedom.free.contains(&Parameter::PhiAlpha);
-    let hidden = found.settings.nuisances.scale == Extent::None && found.plan.directions() == 1 && lobe;
-    hidden.then(|| {
-        "with one direction of incidence and view the lobe acts as a scale, although none is fitted: fix delta and phi_alpha \
-         if the intensities are absolute"
-            .to_owned()
-    })
-}
-
-/// Warnings of parameters whose interval spans all of their bounds.
-fn warn_of_open_intervals(found: &Found<'_>, estimates: &[Estimate; COUNT]) -> Vec<String> {
-    let of_a_direction =
-        |parameter: &Parameter| found.held.iter().any(|held| held.direction.iter().any(|(part, _)| part == parameter));
-    (Parameter::ALL.iter().zip(estimates))
-        .filter(|(parameter, estimate)| estimate.status == Status::NotIdentifiable && !of_a_direction(parameter))
-        .map(|(parameter, _)| format!("{parameter} cannot be told: its interval spans all of its bounds"))
-        .collect()
-}
-
-/// A warning if a minimum elsewhere fits as well as the best.
-fn warn_of_others(found: &Found<'_>, estimates: &[Estimate; COUNT], unit: f64) -> Option<String> {
-    let ambiguous: Vec<&str> = (Parameter::ALL.iter().zip(estimates))
-        .filter(|(_, estimate)| estimate.status == Status::Ambiguous)
-        .map(|(parameter, _)| parameter.name())
-        .collect();
-    let minima = as_good(found, unit).count();
-    (!ambiguous.is_empty()).then(|| {
-        let (structures, fit) = if minima == 1 { ("structure", "fits") } else { ("structures", "fit") };
-        format!(
-            "{minima} other {structures} {fit} as well, with another {}: see `minima` in fit.json",
-            ambiguous.join(", ")
-        )
-    })
 }

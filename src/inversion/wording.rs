@@ -33,8 +33,13 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     }
 }
 
-/// The sentence of a model that misses the data by `times` the stated noise; `bent` if the residuals are no noise.
-pub(crate) fn missed(times: f64, bent: bool, widened_by: f64) -> String {
+/// The sentence of a model that misses the data, by `times` the stated noise or with a `correlation` of neighbouring
+/// residuals; `bent` if the residuals are no noise.
+pub(crate) fn missed(times: Option<f64>, correlation: Option<f64>, bent: bool, widened_by: f64) -> String {
+    let by = times.map(|times| format!(" by {times:.1} times the stated noise")).unwrap_or_default();
+    let agree = correlation.map(|correlation| {
+        format!(": neighbouring residuals agree (correlation {correlation:.2}), which noise does not make")
+    });
     let how = if bent {
         format!(
             "the standard deviations are widened {widened_by:.1} times, by that and by how far the answer moves as parts of \
@@ -45,7 +50,7 @@ pub(crate) fn missed(times: f64, bent: bool, widened_by: f64) -> String {
          stated sigma is too small)"
             .to_owned()
     };
-    format!("the model misses the data by {times:.1} times the stated noise; {how}")
+    format!("the model misses the data{by}{}; {how}", agree.unwrap_or_default())
 }
 
 /// The combination of two parameters that a step along the undetermined direction leaves alone.

@@ -8,9 +8,10 @@ use crate::inversion::{
 /// The verdict as a sentence without a full stop, the first line of every report.
 #[must_use]
 pub fn verdict(outcome: &FitOutcome) -> String {
+    let missed = if outcome.sigma_source == SigmaSource::Widened { "the model misses the data; " } else { "" };
     match outcome.verdict {
-        Verdict::Determined => determined(outcome),
-        Verdict::PartlyDetermined => partly(outcome),
+        Verdict::Determined => format!("{missed}{}", determined(outcome)),
+        Verdict::PartlyDetermined => format!("{missed}{}", partly(outcome)),
         Verdict::NoThickness => "a minimum was found, but it determines no thickness, not even their sum".to_owned(),
         Verdict::NotConverged => format!("no minimum was found: {}", outcome.termination.phrase()),
     }
@@ -52,7 +53,8 @@ fn partly(outcome: &FitOutcome) -> String {
     let rest: Vec<&str> =
         unknown.into_iter().filter(|name| sum.is_none() || !["d_air", "d_cuticle"].contains(name)).collect();
     if !rest.is_empty() {
-        parts.push(format!("{} {} not", list(&rest), is(&rest)));
+        let word = if known.is_empty() && sum.is_none() { " determined" } else { "" };
+        parts.push(format!("{} {} not{word}", list(&rest), is(&rest)));
     }
     if !one_sided.is_empty() {
         parts.push(format!("{} {} told on one side only", list(&one_sided), is(&one_sided)));

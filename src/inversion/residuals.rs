@@ -1,0 +1,57 @@
+//! What the residuals of a fit look like: whether neighbours agree, over all and in each curve.
+
+use crate::inversion::estimates::Found;
+use crate::inversion::outcome::{CurveResiduals, FittedReading};
+use crate::uncertainty::discrepancy::{ResidualTests, residual_tests};
+
+/// A correlation beyond this counts as this: the rule for it has no limit.
+const MOST_CORRELATED: f64 = 0.99;
+
+/// Correlation of each residual with the next one of its curve.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Neighbours {
+    pub(crate) value: f64,
+    /// In units of its standard deviation for noise, `1/sqrt(pairs)`.
+    pub(crate) deviations: f64,
+}
+
+impl Neighbours {
+    /// Factor on standard deviations: of `n` readings so correlated only `n (1 - r)/(1 + r)` are independent.
+    pub(crate) fn widening(&self) -> f64 {
+        let r = self.value.min(MOST_CORRELATED);
+        ((1.0 + r) / (1.0 - r)).sqrt()
+    }
+}
+
+/// The lag-1 autocorrelation of the weighted residuals, in the order of the data, over all curves.
+pub(crate) fn neighbours(found: &Found<'_>, readings: &[FittedReading]) -> Neighbours {
+    let mut last: Vec<Option<f64>> = vec![None; found.plan.curves];
+    let (mut products, mut squares, mut pairs) = (0.0, 0.0, 0_u32);
+    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
+        squares += fitted.normalised * fitted.normalised;
+        if let Some(before) = last[planned.curve].replace(fitted.normalised) {
+            products += before * fitted.normalised;
+            pairs += 1;
+        }
+    }
+    let value = if squares > 0.0 { products / squares } else { 0.0 };
+    Neighbours { value, deviations: value * f64::from(pairs).sqrt() }
+}
+
+/// Tests of the residuals of each curve, with its number of readings.
+pub(crate) fn tests_by_curve(found: &Found<'_>, readings: &[FittedReading]) -> Vec<(ResidualTests, usize)> {
+    let mut curves: Vec<Vec<f64>> = vec![Vec::new(); found.plan.curves];
+    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
+        curves[planned.curve].push(fitted.normalised);
+    }
+    curves.iter().map(|residuals| (residual_tests(residuals), residuals.len())).collect()
+}
+
+pub(crate) fn curve_residuals(found: &Found<'_>, tests: &[(ResidualTests, usize)]) -> Vec<CurveResiduals> {
+    (found.data.curves().iter().zip(tests))
+        .map(|(curve, &(tests, readings))| {
+            let ResidualTests { chi2, correlation, runs } = tests;
+            CurveResiduals { curve: curve.clone(), readings, chi2, correlation, runs_z: runs }
+        })
+        .collect()
+}

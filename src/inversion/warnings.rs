@@ -1,0 +1,77 @@
+//! Warnings of a fit: outliers, bounds, hidden scales, intervals without ends, other minima.
+
+use crate::inversion::estimates::{Found, as_good};
+use crate::inversion::nuisance::Extent;
+use crate::inversion::outcome::{Estimate, FittedReading, Status};
+use crate::inversion::parameter::{COUNT, Parameter};
+
+/// A reading with more than this share of chi² is named.
+const OUTLIER: f64 = 0.5;
+
+/// A warning if one reading makes up most of chi².
+pub(crate) fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) -> Option<String> {
+    let size = |row: usize| readings[row].residual.abs() * found.plan.readings[row].weight;
+    let worst = (0..readings.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+    let line = found.data.readings()[worst].line;
+    let place = if line > 0 { format!("line {line}") } else { format!("reading {}", worst + 1) };
+    (size(worst).powi(2) > OUTLIER * chi2).then(|| {
+        format!("one reading makes up most of chi²: {place}; leave it out or use a robust loss (huber, cauchy)")
+    })
+}
+
+pub(crate) fn bounds(estimates: &[Estimate; COUNT]) -> Vec<String> {
+    (Parameter::ALL.iter().zip(estimates))
+        .filter(|(_, estimate)| estimate.status == Status::AtBound)
+        .map(|(parameter, estimate)| {
+            let value = estimate.value.unwrap_or_default();
+            let unit = parameter.unit();
+            let hint = if *parameter == Parameter::Delta {
+                " (or is phi the other way round? a mirror reflects theta = 20 into phi = -20)"
+            } else {
+                ""
+            };
+            format!(
+                "{parameter} ended on its bound {value:.4} {unit}: widen it with --bounds {parameter}=LOW:HIGH{hint}"
+            )
+        })
+        .collect()
+}
+
+/// A warning if the lobe acts as a scale although none is fitted.
+pub(crate) fn hidden_scale(found: &Found<'_>) -> Option<String> {
+    let free = &found.searched.freedom.free;
+    // A width that the data do not feel, as in the mirror direction of a fixed tilt, was taken out of the fit.
+    let lobe = free.contains(&Parameter::Delta) || found.space.freedom.free.contains(&Parameter::PhiAlpha);
+    let hidden = found.settings.nuisances.scale == Extent::None && found.plan.directions() == 1 && lobe;
+    hidden.then(|| {
+        "with one direction of incidence and view the lobe acts as a scale, although none is fitted: fix delta and phi_alpha \
+         if the intensities are absolute"
+            .to_owned()
+    })
+}
+
+/// Warnings of parameters whose interval spans all of their bounds.
+pub(crate) fn open_intervals(found: &Found<'_>, estimates: &[Estimate; COUNT]) -> Vec<String> {
+    let of_a_direction =
+        |parameter: &Parameter| found.held.iter().any(|held| held.direction.iter().any(|(part, _)| part == parameter));
+    (Parameter::ALL.iter().zip(estimates))
+        .filter(|(parameter, estimate)| estimate.status == Status::NotIdentifiable && !of_a_direction(parameter))
+        .map(|(parameter, _)| format!("{parameter} cannot be told: its interval spans all of its bounds"))
+        .collect()
+}
+
+/// A warning if a minimum elsewhere fits as well as the best.
+pub(crate) fn others(found: &Found<'_>, estimates: &[Estimate; COUNT], unit: f64) -> Option<String> {
+    let ambiguous: Vec<&str> = (Parameter::ALL.iter().zip(estimates))
+        .filter(|(_, estimate)| estimate.status == Status::Ambiguous)
+        .map(|(parameter, _)| parameter.name())
+        .collect();
+    let minima = as_good(found, unit).count();
+    (!ambiguous.is_empty()).then(|| {
+        let (structures, fit) = if minima == 1 { ("structure", "fits") } else { ("structures", "fit") };
+        format!(
+            "{minima} other {structures} {fit} as well, with another {}: see `minima` in fit.json",
+            ambiguous.join(", ")
+        )
+    })
+}
