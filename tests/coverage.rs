@@ -22,7 +22,10 @@ fn check(design: Design, sets: usize) {
         for method in 0..3 {
             for (found, level) in study.coverage(quantity, method).into_iter().zip([68.27, 95.0]) {
                 let far = FAR * (level * (100.0 - level) / count as f64).sqrt();
-                assert!((found - level).abs() < far, "{design:?} {quantity} {method}: {found} for {level}, {count} sets");
+                assert!(
+                    (found - level).abs() < far,
+                    "{design:?} {quantity} {method}: {found} for {level}, {count} sets"
+                );
                 checked += 1;
             }
         }

@@ -10,7 +10,7 @@
 //! changing one parameter renews only the terms it enters.
 
 use crate::dataset::Dataset;
-use crate::inversion::parameter::COUNT;
+use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::settings::Parts;
 use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::Period;
@@ -225,6 +225,15 @@ impl<'a> Plan<'a> {
     #[must_use]
     pub fn has_multilayer(&self) -> bool {
         !self.stack.is_empty()
+    }
+
+    /// Whether some reading may depend on `parameter`.
+    pub(crate) fn sees(&self, parameter: Parameter) -> bool {
+        match parameter {
+            Parameter::DAir | Parameter::DCuticle => self.has_lamella() || self.has_multilayer(),
+            Parameter::Delta | Parameter::PhiAlpha => self.has_multilayer(),
+            Parameter::LamellaWidth => self.has_lamella(),
+        }
     }
 
     /// Number of directions of incidence and view in which Model B is seen.

@@ -6,15 +6,18 @@ use crate::inversion::fit::FitError;
 use crate::inversion::intervals::{IntervalPair, rivals, stretched};
 use crate::inversion::marginal::{Likelihood, Noise};
 use crate::inversion::outcome::Fit;
-use crate::inversion::parameter::COUNT;
+use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::quantity::Quantity;
 use crate::inversion::solution::Solution;
+use crate::inversion::space::Space;
 use crate::numerics::quantile::{NINETY_FIVE, SIXTY_EIGHT, central};
-use crate::optimise::Minimum;
+use crate::optimise::{Bounds, BoundsError, Minimum};
 use crate::uncertainty::convergence::Convergence;
 use crate::uncertainty::covariance::regularised;
 use crate::uncertainty::posterior::{self as sampler, Mode, SamplerSettings, Stopped};
 use nalgebra::{DMatrix, DVector};
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::{Deserialize, Serialize};
 
 /// The choices of a posterior.
@@ -95,15 +98,19 @@ pub fn posterior(
         seed: settings.seed,
         ..SamplerSettings::default()
     };
-    let bounds = &solution.searched.bounds;
+    let seen = Seen::new(&compiled, &solution.searched);
     let modes: Vec<Mode> = std::iter::once(&solution.minima[0])
         .chain(rivals(solution))
         .filter_map(|minimum| mode(solution, minimum))
+        .map(|mode| seen.restrict(&mode))
         .collect();
-    let drawn = sampler::sample(|free| likelihood.log(free), bounds, &modes, &sampler_settings, progress)?;
+    let middle = &solution.minima[0].parameters;
+    let target = |sampled: &DVector<f64>| likelihood.log(&seen.complete(sampled, middle));
+    let drawn = sampler::sample(target, &seen.bounds(&solution.searched)?, &modes, &sampler_settings, progress)?;
+    let whole = seen.filled(&drawn.samples, &solution.searched, settings.seed);
     let quantities = Quantity::moving(&compiled, &solution.searched);
     let values: Vec<[f64; COUNT]> =
-        drawn.samples.row_iter().map(|row| solution.searched.freedom.expand(&row.transpose())).collect();
+        whole.row_iter().map(|row| solution.searched.freedom.expand(&row.transpose())).collect();
     let of = |values: &[f64; COUNT]| quantities.iter().map(|q| q.outside(q.of(values))).collect::<Vec<f64>>();
     let samples: Vec<Vec<f64>> = values.iter().map(of).collect();
     let columns: Vec<Vec<f64>> =
@@ -129,12 +136,66 @@ pub fn posterior(
         chains: drawn.chains,
         convergence: columns.iter().map(convergence).collect(),
         intervals: columns.iter().zip(&quantities).map(intervals).collect(),
-        weights: weights(solution, &drawn.samples),
+        weights: weights(solution, &whole),
         evaluations: drawn.evaluations,
         acceptance: [drawn.independence.share(), drawn.evolution.share()],
         converged: drawn.stopped == Stopped::Converged,
         samples,
     })
+}
+
+/// The free parameters that the data see at all: the posterior of the others is their prior, and needs no sampler.
+struct Seen(Vec<usize>);
+
+impl Seen {
+    fn new(compiled: &Compiled<'_>, space: &Space) -> Self {
+        let moves = |column: usize, parameter: Parameter| {
+            space.freedom.matrix()[(parameter.index(), column)].abs() > 0.0 && compiled.plan.sees(parameter)
+        };
+        let all = 0..space.freedom.free.len();
+        let seen: Vec<usize> =
+            all.clone().filter(|&column| Parameter::ALL.iter().any(|&parameter| moves(column, parameter))).collect();
+        Self(if seen.is_empty() { all.collect() } else { seen })
+    }
+
+    fn of(&self, whole: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.0.len(), self.0.iter().map(|&column| whole[column]))
+    }
+
+    fn bounds(&self, space: &Space) -> Result<Bounds, BoundsError> {
+        let (lower, upper) = (self.of(space.bounds.lower()), self.of(space.bounds.upper()));
+        Bounds::new(lower.as_slice(), upper.as_slice())
+    }
+
+    fn restrict(&self, mode: &Mode) -> Mode {
+        let covariance = mode.covariance.select_rows(&self.0).select_columns(&self.0);
+        Mode { centre: self.of(&mode.centre), covariance, log_weight: mode.log_weight }
+    }
+
+    /// All free parameters, those that are not seen as in `whole`.
+    fn complete(&self, sampled: &DVector<f64>, whole: &DVector<f64>) -> DVector<f64> {
+        let mut whole = whole.clone();
+        for (value, &column) in sampled.iter().zip(&self.0) {
+            whole[column] = *value;
+        }
+        whole
+    }
+
+    /// All free parameters for each sample, those that are not seen drawn evenly from their bounds.
+    fn filled(&self, samples: &DMatrix<f64>, space: &Space, seed: u64) -> DMatrix<f64> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let (lower, ranges) = (space.bounds.lower(), &space.ranges);
+        let mut whole = DMatrix::zeros(samples.nrows(), lower.len());
+        for row in 0..samples.nrows() {
+            for column in 0..lower.len() {
+                whole[(row, column)] = match self.0.iter().position(|&seen| seen == column) {
+                    Some(place) => samples[(row, place)],
+                    None => lower[column] + ranges[column] * random.random::<f64>(),
+                };
+            }
+        }
+        whole
+    }
 }
 
 /// The normal approximation of the posterior about a minimum; the bounds count as a normal prior of their spread.
