@@ -66,7 +66,7 @@ impl Relation {
         match self {
             Self::Best => "the best".to_owned(),
             Self::Mirror => "mirror image of the best in delta".to_owned(),
-            Self::Swap => "swap alias: gap and cuticle have each other's optical thickness".to_owned(),
+            Self::Swap => "swap alias (optical thicknesses exchanged)".to_owned(),
             Self::SwapAndMirror => "swap alias, tilted the other way".to_owned(),
             Self::Split => "the same optical sum, another split".to_owned(),
             Self::Order { best, other } => {

@@ -208,7 +208,8 @@ fn capitalised(text: &str) -> String {
 }
 
 /// Words of `text` in lines of at most `width` characters, the first after `first`, the others after `next`.
-fn wrapped(text: &str, first: &str, next: &str, width: usize) -> String {
+#[must_use]
+pub fn wrapped(text: &str, first: &str, next: &str, width: usize) -> String {
     if text.is_empty() {
         return String::new();
     }

@@ -34,7 +34,9 @@ pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
             report.push_str(&format!("\n{}", uncertainty::text(found)));
         }
         let seconds = began.elapsed().as_secs_f64();
-        report.push_str(&format!("\n  {}: {} ({seconds:.2} s)\n", folder.path().display(), names.join(" ")));
+        let written = format!("{}: {} ({seconds:.2} s)", folder.path().display(), names.join(" "));
+        report.push('\n');
+        report.push_str(&terminal::wrapped(&written, "  ", "    ", WIDTH));
         output::print_report(&report)?;
     }
     Ok(outcome(&fit.outcome))
