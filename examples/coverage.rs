@@ -150,7 +150,7 @@ pub(crate) fn study(design: Design, sets: usize, seed: u64) -> Result<Study, Box
         let truth: [f64; COUNT] = std::array::from_fn(|j| truth[j]);
         let held = data_set(design, &settings, &truth, seed.wrapping_mul(1_000_003).wrapping_add(index as u64));
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if count % 100 == 0 {
+        if count.is_multiple_of(100) {
             eprintln!("{}: {count} of {sets}", design.name());
         }
         held

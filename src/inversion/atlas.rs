@@ -116,7 +116,7 @@ impl Relation {
 /// ```
 ///
 /// # Source
-/// Laplace's approximation: MacKay 2003, *Information Theory, Inference, and Learning Algorithms*, §27 and §28.
+/// Laplace's approximation: Tierney and Kadane 1986, DOI 10.1080/01621459.1986.10478240.
 pub(crate) fn weights(minima: &[Minimum], ranges: &DVector<f64>, unit: f64) -> Vec<f64> {
     let best = minima.first().map_or(0.0, Minimum::sum_of_squares);
     let logarithm = |minimum: &Minimum| {
@@ -165,9 +165,9 @@ pub(crate) fn listed(
 /// The least chi² over the two thicknesses, everything else at its best.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChiSquareMap {
-    /// Edges of the cells in d_air, nm, rising.
+    /// Edges of the cells in `d_air`, nm, rising.
     pub d_air_edges: Vec<f64>,
-    /// Edges of the cells in d_cuticle, nm, rising.
+    /// Edges of the cells in `d_cuticle`, nm, rising.
     pub d_cuticle_edges: Vec<f64>,
     /// Least Δchi² to the best minimum within each cell, for all readings, in units of the squared standard deviation of a
     /// weighted residual, `[d_cuticle][d_air]`; infinite where the model has no value.

@@ -14,7 +14,7 @@ const NAMED: f64 = 0.1;
 /// A principal direction of what is known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
-    /// Names of the parameters that take part, the strongest first; of thicknesses d_air.
+    /// Names of the parameters that take part, the strongest first; of thicknesses `d_air`.
     pub names: Vec<String>,
     /// Their coefficients, in the user's units, that of the first being 1.
     pub coefficients: Vec<f64>,

@@ -120,7 +120,7 @@ pub fn bootstrap(
             }
         };
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if count % TOLD == 0 {
+        if count.is_multiple_of(TOLD) {
             progress(&format!("bootstrap {count} of {}", settings.replicates));
         }
         let values = refit(&problem, &starts, solution.space.freedom.free.len())?;
