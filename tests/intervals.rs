@@ -131,7 +131,7 @@ fn the_posterior_visits_the_swap_alias() {
     assert!(share(80.0, 119.0) > 0.05);
 }
 
-/// Share of the posterior with d_air above 119 nm, by brute force.
+/// Share of the posterior with `d_air` above 119 nm, by brute force.
 fn grid_share(data: &Dataset, blue: &Structure) -> f64 {
     use morpho_fit::optics::ReflectivityModel;
     let model = BlendModel::default();
