@@ -194,16 +194,20 @@ fn data_set(
     let settings = FitSettings { seed, ..settings.clone() };
     let quiet = |_: &str| {};
     let found = fit(&data, &settings, &quiet)?;
-    let profiles = profiles(&data, &found, &quiet)?;
-    let sampling = PosteriorSettings { effective: EFFECTIVE, ..PosteriorSettings::new(seed) };
-    let posterior = posterior(&data, &found, &sampling, &quiet)?;
     let outcome = &found.outcome;
-    let mut values = Parameter::ALL.map(|parameter| parameter.outside(truth[parameter.index()])).to_vec();
-    let media = settings.stack.media(560.0)?;
-    values.extend([truth[0] + truth[1], media.gap.re * truth[0] + media.cuticle.re * truth[1]]);
     let estimates: Vec<&Estimate> = (outcome.parameters.each().into_iter().map(|(_, estimate)| estimate))
         .chain([&outcome.derived.period, &outcome.derived.optical_sum])
         .collect();
+    let ranked = design == Design::W2;
+    if !ranked && !estimates.iter().any(|estimate| estimate.status.is_determined()) {
+        return Ok(Held { covered: [None; 7], ranks: None, converged: true });
+    }
+    let profiles = profiles(&data, &found, &quiet)?;
+    let sampling = PosteriorSettings { effective: EFFECTIVE, ..PosteriorSettings::new(seed) };
+    let posterior = posterior(&data, &found, &sampling, &quiet)?;
+    let mut values = Parameter::ALL.map(|parameter| parameter.outside(truth[parameter.index()])).to_vec();
+    let media = settings.stack.media(560.0)?;
+    values.extend([truth[0] + truth[1], media.gap.re * truth[0] + media.cuticle.re * truth[1]]);
     let mut covered = [None; 7];
     for (quantity, name) in QUANTITIES.into_iter().enumerate() {
         let estimate = estimates[quantity];
@@ -224,7 +228,7 @@ fn data_set(
         covered[quantity] = Some([both(first), both(of_profile), both(of_posterior)]);
     }
     let count = posterior.samples.len();
-    let ranks = (design == Design::W2 && count > DRAWS).then(|| {
+    let ranks = (ranked && count > DRAWS).then(|| {
         std::array::from_fn(|parameter| {
             let draws = (0..DRAWS).map(|draw| &posterior.samples[(2 * draw + 1) * count / (2 * DRAWS)]);
             draws.filter(|draw| draw[parameter] < values[parameter]).count()
