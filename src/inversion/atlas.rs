@@ -26,6 +26,10 @@ const NEAR: f64 = 0.03;
 const UPRIGHT: f64 = 1e-3;
 /// A ratio of two optical sums within this share of that of two orders is one of orders.
 const ORDER: f64 = 0.03;
+/// Minima within this Δchi² of the best are tied, ...
+const TIED: f64 = 1e-3;
+/// ... and one that is likelier by this factor goes first.
+const LIKELIER: f64 = 1.5;
 /// Readings that a map looks at.
 const MAP_READINGS: usize = 240;
 /// One cell in so many, the best ones, is polished.
@@ -65,14 +69,14 @@ impl Relation {
     pub fn phrase(self) -> String {
         match self {
             Self::Best => "the best".to_owned(),
-            Self::Mirror => "mirror image of the best in delta".to_owned(),
-            Self::Swap => "swap alias (optical thicknesses exchanged)".to_owned(),
+            Self::Mirror => "mirror image in delta".to_owned(),
+            Self::Swap => "swap alias (thicknesses exchanged)".to_owned(),
             Self::SwapAndMirror => "swap alias, tilted the other way".to_owned(),
-            Self::Split => "the same optical sum, another split".to_owned(),
+            Self::Split => "same optical sum, another split".to_owned(),
             Self::Order { best, other } => {
-                format!("another order of interference: {other} instead of {best}")
+                format!("interference order {other}, not {best}")
             }
-            Self::SameLayers => "the same layers; tilt, lobe or lamella width differ".to_owned(),
+            Self::SameLayers => "same layers, other tilt or widths".to_owned(),
             Self::Other => "another structure".to_owned(),
         }
     }
@@ -132,6 +136,18 @@ pub(crate) fn weights(minima: &[Minimum], ranges: &DVector<f64>, unit: f64) -> V
     let shares: Vec<f64> = all.iter().map(|one| (one - most).exp()).collect();
     let sum: f64 = shares.iter().sum();
     shares.iter().map(|share| share / sum).collect()
+}
+
+/// Puts the likeliest of the minima that fit exactly as well first: which of them is lower is rounding.
+pub(crate) fn likeliest_first(minima: &mut [Minimum], ranges: &DVector<f64>, unit: f64) {
+    let best = minima.first().map_or(0.0, Minimum::sum_of_squares);
+    let tied = minima.iter().take_while(|one| one.sum_of_squares() - best <= TIED * unit * unit).count();
+    let weights = weights(&minima[..tied], ranges, unit);
+    let first = weights.first().copied().unwrap_or(0.0);
+    let likeliest = (weights.iter().enumerate()).max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)));
+    if let Some((place, _)) = likeliest.filter(|(_, weight)| **weight > LIKELIER * first) {
+        minima[..=place].rotate_right(1);
+    }
 }
 
 /// The minima as they are reported: all within `level` of the best, and the next few.

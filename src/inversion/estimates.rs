@@ -8,7 +8,7 @@ use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, S
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::plan::Plan;
 use crate::inversion::problem::{Evaluation, Problem};
-use crate::inversion::quantity::indices;
+use crate::inversion::quantity::{Quantity, indices};
 use crate::inversion::settings::FitSettings;
 use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
@@ -300,9 +300,11 @@ impl Uncertainty {
 
     pub(crate) fn derived(&self, found: &Found<'_>, point: &Evaluation) -> Derived {
         let (gap, cuticle) = indices(found.data, &found.settings.stack);
-        let of = |gradient: [f64; COUNT]| {
-            let value: f64 = gradient.iter().zip(&point.values).map(|(g, value)| g * value).sum();
-            let mut estimate = Estimate::new(value, "nm");
+        let of = |quantity: Quantity| {
+            let gradient = quantity.gradient();
+            let mut estimate = Estimate::new(quantity.of(&point.values), "nm");
+            let (least, most) = quantity.limits(found.searched);
+            estimate.bounds = (least < most).then_some([least, most]);
             let along = found.searched.freedom.matrix().tr_mul(&DVector::from_column_slice(&gradient));
             if along.iter().all(|slope| slope.abs() <= ROUNDING) {
                 estimate.status = Status::Fixed;
@@ -329,11 +331,10 @@ impl Uncertainty {
             estimate.widened_by = self.widened_by(&gradient, variance);
             self.finish(&mut estimate, variance.map(|variance| (variance + extra).sqrt()));
             let noticeable = NOTICEABLE * Parameter::DAir.typical_change();
-            let sum = |values: &[f64; COUNT]| gradient.iter().zip(values).map(|(g, value)| g * value).sum();
-            mark_ambiguous(&mut estimate, found, self.unit, noticeable, sum);
+            mark_ambiguous(&mut estimate, found, self.unit, noticeable, |values| quantity.of(values));
             estimate
         };
-        Derived { period: of([1.0, 1.0, 0.0, 0.0, 0.0]), optical_sum: of([gap, cuticle, 0.0, 0.0, 0.0]) }
+        Derived { period: of(Quantity::Period), optical_sum: of(Quantity::OpticalSum { gap, cuticle }) }
     }
 
     /// Covariance and correlation, user units; empty where they do not exist.

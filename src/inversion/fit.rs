@@ -1,6 +1,7 @@
 //! The fit: search, robust reweighting, what is determined, and the result.
 
 use crate::dataset::Dataset;
+use crate::inversion::atlas::likeliest_first;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::estimates::Found;
 use crate::inversion::outcome::Fit;
@@ -10,7 +11,7 @@ use crate::inversion::settings::{FitSettings, Search, SettingsError};
 use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
 use crate::inversion::summary::{Summary, summarise};
-use crate::inversion::undetermined::{apart_beyond, hold_undetermined};
+use crate::inversion::undetermined::{apart_beyond, hold_undetermined, unit_of_residuals};
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
 use crate::uncertainty::posterior::SamplerError;
@@ -117,6 +118,10 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     minima.retain(|minimum| minimum.sum_of_squares().is_finite());
     if minima.is_empty() {
         return Err(FitError::NowhereFinite { model: model.name() });
+    }
+    if robust.is_empty() {
+        let unit = unit_of_residuals(data, minima[0].sum_of_squares(), readings - unknowns);
+        likeliest_first(&mut minima, &searched.ranges, unit);
     }
     progress("asking what the data determine");
     let (held, space, best) = hold_undetermined(&compiled, &robust, &searched, &minima[0])?;

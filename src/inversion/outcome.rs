@@ -86,7 +86,7 @@ pub struct Estimate {
     pub others: Vec<f64>,
     /// The value used for the curves where the data determine none.
     pub held_at: Option<f64>,
-    /// Bounds of the fit; `None` if it was not free.
+    /// Bounds of the fit, or what they allow a sum of thicknesses; `None` if it was not free.
     pub bounds: Option<[f64; 2]>,
 }
 

@@ -39,7 +39,8 @@ pub fn text(fit: &Fit, width: usize) -> String {
     }
     report.push_str(&parameters(outcome));
     report.push('\n');
-    for line in [stiffness(outcome), nuisances(&outcome.nuisance), goodness(outcome), data(outcome)] {
+    let nuisance = if answers(outcome) { nuisances(&outcome.nuisance) } else { String::new() };
+    for line in [stiffness(outcome), nuisance, goodness(outcome), data(outcome)] {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
     report.push_str(&rivals(outcome, width));
@@ -100,7 +101,7 @@ fn row(name: &str, estimate: &Estimate) -> [String; 6] {
 fn stiffness(outcome: &FitOutcome) -> String {
     let all = &outcome.identifiability.combinations;
     let (Some(stiff), Some(sloppy), true) = (all.first(), all.last(), all.len() > 1) else { return String::new() };
-    if outcome.verdict == Verdict::NotConverged || outcome.verdict == Verdict::NoThickness {
+    if !answers(outcome) {
         return String::new();
     }
     format!("stiffest: {}; sloppiest: {}", wording::combination(stiff), wording::combination(sloppy))
@@ -138,9 +139,19 @@ fn goodness(outcome: &FitOutcome) -> String {
     format!("chi² {chi2} for {dof} degrees of freedom, {} each; {source}", plain(per))
 }
 
+/// Whether the fit tells a thickness, so that there is something to compare with.
+fn answers(outcome: &FitOutcome) -> bool {
+    !matches!(outcome.verdict, Verdict::NotConverged | Verdict::NoThickness)
+}
+
+/// The number without what rounding left of a zero.
+fn settled(value: f64) -> f64 {
+    if value.abs() < 1e-6 { 0.0 } else { value }
+}
+
 /// The rivals: in a line if none fits, as a table with the best if one does.
 fn rivals(outcome: &FitOutcome, width: usize) -> String {
-    if outcome.verdict == Verdict::NotConverged {
+    if !answers(outcome) {
         return String::new();
     }
     let [_, second, ..] = outcome.minima.as_slice() else { return String::new() };
@@ -168,8 +179,8 @@ fn rivals(outcome: &FitOutcome, width: usize) -> String {
         ("", Align::Left),
     ]);
     for (place, minimum) in outcome.minima.iter().filter(|minimum| minimum.fits).take(RIVALS).enumerate() {
-        let [d_air, d_cuticle, delta, ..] = minimum.values.map(plain);
-        let (chi2, weight) = (plain(minimum.delta_chi2), format!("{:.0} %", 100.0 * minimum.weight));
+        let [d_air, d_cuticle, delta, ..] = minimum.values.map(|value| plain(settled(value)));
+        let (chi2, weight) = (plain(settled(minimum.delta_chi2)), format!("{:.0} %", 100.0 * minimum.weight));
         table.row([(place + 1).to_string(), d_air, d_cuticle, delta, chi2, weight, minimum.relation.phrase()]);
     }
     let more = outcome.minima.iter().filter(|minimum| minimum.fits).count().saturating_sub(RIVALS);

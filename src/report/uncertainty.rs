@@ -2,13 +2,14 @@
 
 use super::digits::{plain, to_place_of};
 use super::table::{Align, Table};
-use crate::inversion::intervals::{Method, MethodIntervals, UncertaintyFound};
+use super::terminal::wrapped;
+use crate::inversion::intervals::{Method, MethodIntervals, Resampling, UncertaintyFound};
 
-/// The table, and below it how bootstrap and sampling went.
+/// The table, and below it how bootstrap and sampling went, in lines of `width` characters.
 ///
 /// A method that parts from the covariance by more than a fifth is marked with by how much.
 #[must_use]
-pub fn text(found: &UncertaintyFound) -> String {
+pub fn text(found: &UncertaintyFound, width: usize) -> String {
     let left = Align::Left;
     let mut table = Table::new(&[
         ("", left),
@@ -41,45 +42,49 @@ pub fn text(found: &UncertaintyFound) -> String {
         let of = |method: Method| matches!(method, Method::Profile | Method::Posterior) == bent;
         found.quantities.iter().flat_map(|quantity| &quantity.methods).any(|m| of(m.method) && m.parts())
     };
+    let mut say = |sentence: &str| text.push_str(&wrapped(sentence, "! ", "  ", width));
     if parted(true) {
-        text.push_str(
-            "! profile or posterior part from the covariance by more than 20 %: trust them, the problem is not linear\n",
-        );
+        say("profile or posterior part from the covariance by more than 20 %: trust them, the problem is not linear");
     }
     if parted(false) {
-        text.push_str(
-            "! a bootstrap parts from the covariance by more than 20 %: few readings carry the answer, or the noise is not \
-             what sigma says\n",
+        say(
+            "a bootstrap parts from the covariance by more than 20 %: the noise is not what sigma says, few readings carry the \
+             answer, or the curves are short (40 readings know their own scatter to 11 %)",
         );
     }
     for bootstrap in &found.bootstraps {
         if bootstrap.failed > 0 {
             let (failed, all) = (bootstrap.failed, bootstrap.replicates + bootstrap.failed);
-            text.push_str(&format!(
-                "! {failed} of {all} replicates of a bootstrap found no minimum and are left out\n"
-            ));
+            let what = match bootstrap.resampling {
+                Resampling::Residuals => "residuals",
+                Resampling::Cases => "cases",
+            };
+            say(&format!("{failed} of {all} replicates of the bootstrap of {what} found no minimum and are left out"));
         }
     }
     if let Some(values) = found.lower_minimum {
         let values: Vec<String> = values.iter().map(|value| plain(*value)).collect();
-        text.push_str(&format!(
-            "! a profile met a lower minimum, at {}: fit again with --start there\n",
-            values.join(", ")
-        ));
+        say(&format!("a profile met a lower minimum, at {}: fit again with --start there", values.join(", ")));
     }
     if let Some(posterior) = &found.posterior {
         let number = |value: Option<f64>| value.map_or_else(|| "unknown".to_owned(), plain);
         let (r_hat, effective) = (number(posterior.r_hat), number(posterior.effective));
-        if !posterior.converged {
-            text.push_str(&format!(
-                "! the posterior is not sampled enough: split-R̂ {r_hat}, {effective} effective samples; give more \
-                 --max-evaluations\n"
+        let evaluations = posterior.evaluations;
+        if posterior.samples == 0 {
+            say(&format!("the posterior has no samples after {evaluations} evaluations; give more --max-evaluations"));
+        } else if !posterior.converged {
+            say(&format!(
+                "the posterior is not sampled enough: split-R̂ {r_hat}, {effective} effective samples; give more \
+                 --max-evaluations"
             ));
         }
-        text.push_str(&format!(
-            "  posterior: {} samples in {} chains, at least {effective} effective, split-R̂ {r_hat}, {} evaluations\n",
-            posterior.samples, posterior.chains, posterior.evaluations
-        ));
+        if posterior.samples > 0 {
+            text.push_str(&format!(
+                "  posterior: {} samples in {} chains, at least {effective} effective, split-R̂ {r_hat}, {evaluations} \
+                 evaluations\n",
+                posterior.samples, posterior.chains
+            ));
+        }
     }
     text
 }

@@ -5,6 +5,11 @@ use crate::inversion::{
     AdviceFound, Combination, Estimate, FitOutcome, SigmaExpected, SigmaSource, SplitExpected, Status, Verdict,
 };
 
+/// Other values of an ambiguous estimate that are named.
+const OTHERS: usize = 3;
+/// A thickness known no better than this, nm, is all but unknown.
+const ROUGH: f64 = 10.0;
+
 /// The verdict as a sentence without a full stop, the first line of every report.
 #[must_use]
 pub fn verdict(outcome: &FitOutcome) -> String {
@@ -12,7 +17,9 @@ pub fn verdict(outcome: &FitOutcome) -> String {
     match outcome.verdict {
         Verdict::Determined => format!("{missed}{}", determined(outcome)),
         Verdict::PartlyDetermined => format!("{missed}{}", partly(outcome)),
-        Verdict::NoThickness => "a minimum was found, but it determines no thickness, not even their sum".to_owned(),
+        Verdict::NoThickness => {
+            format!("{missed}a minimum was found, but it determines no thickness, not even their sum")
+        }
         Verdict::NotConverged => format!("no minimum was found: {}", outcome.termination.phrase()),
     }
 }
@@ -92,7 +99,9 @@ pub fn status(estimate: &Estimate) -> String {
         (_, Status::Ambiguous) => {
             let others: Vec<String> = estimate.others.iter().map(|value| plain(*value)).collect();
             let others: Vec<&str> = others.iter().map(String::as_str).collect();
-            if others.is_empty() { phrase.to_owned() } else { format!("{phrase}: or {}", others.join(", or ")) }
+            let more = if others.len() > OTHERS { ", …" } else { "" };
+            let named = others.iter().take(OTHERS).copied().collect::<Vec<&str>>().join(", or ");
+            if others.is_empty() { phrase.to_owned() } else { format!("{phrase}: or {named}{more}") }
         }
         ([], _) => phrase.to_owned(),
         (with, Status::Linked) => format!("{phrase} to {}", list(with)),
@@ -180,27 +189,25 @@ const SPLIT: f64 = 9.0;
 pub fn advice(advice: &AdviceFound) -> String {
     let scans: Vec<&str> = advice.scans.iter().map(String::as_str).collect();
     let gain = |expected: &&SigmaExpected| expected.after < GAINS * expected.before;
+    // Where a thickness is all but unknown the derivatives at one structure are no forecast: the names alone.
+    let rough = advice.expected.iter().any(|expected| expected.name.starts_with("d_") && expected.before > ROUGH);
     let one = |expected: &SigmaExpected| {
-        let SigmaExpected { name, unit, before, after } = expected;
-        format!("{name} to ± {} {unit} (now ± {})", with_sigma(0.0, *after).1, with_sigma(0.0, *before).1)
+        let SigmaExpected { name, unit, after, .. } = expected;
+        if rough { name.clone() } else { format!("{name} to about ± {} {unit}", with_sigma(0.0, *after).1) }
     };
     let free = |expected: &&SigmaExpected| expected.name != "period" && expected.name != "optical_sum";
     let gains: Vec<String> = advice.expected.iter().filter(free).filter(gain).map(one).collect();
     let mut text = scans.join("; and ");
     if !gains.is_empty() {
-        text.push_str(&format!(". Tells {}", gains.join(", ")));
+        let gains: Vec<&str> = gains.iter().map(String::as_str).collect();
+        text.push_str(&format!(". Tells {}", list(&gains)));
     }
     let open = |split: &&SplitExpected| split.chi2_expected < SPLIT;
     match (advice.splits.iter().filter(open).count(), advice.splits.len()) {
         (_, 0) => {}
-        (0, 1) => text.push_str("; rules out the other structure that fits as well, if it is wrong"),
-        (0, all) => {
-            text.push_str(&format!("; rules out the {all} other structures that fit as well, if they are wrong"));
-        }
-        (left, all) => text.push_str(&format!("; leaves {left} of {all} other structures that fit as well")),
-    }
-    if !advice.enough {
-        text.push_str("; not enough to tell everything");
+        (0, _) => text.push_str("; should rule out the other structures that fit as well"),
+        (left, all) if left < all => text.push_str("; should rule out some of the other structures that fit as well"),
+        _ => {}
     }
     text
 }

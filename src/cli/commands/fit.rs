@@ -2,7 +2,7 @@
 
 use crate::args::{FitArgs, ModelWord, OutputArgs, UncertaintyWord};
 use crate::commands::intervals::{FILES, Intervals, Methods};
-use crate::exit::Outcome;
+use crate::exit::{Outcome, Usage};
 use crate::options::Problem;
 use crate::output::{self, Folder, WIDTH};
 use crate::progress::Progress;
@@ -16,6 +16,7 @@ use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
 use morpho_fit::plot::{Figure, draw};
 use morpho_fit::report::{terminal, uncertainty, wording};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -23,15 +24,23 @@ use std::time::Instant;
 pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
     let began = Instant::now();
     let problem = Problem::read_for_any(&args.problem)?;
-    let folder = Folder::open(&place(&args.output, &problem.file))?;
+    let place = place(&args.output, &problem.file);
+    if let Some(name) = written_over(&problem.file, &place) {
+        let message = format!("the results would replace the data: {name} is a name of a result; give another --out");
+        return Err(Usage(message).into());
+    }
+    let folder = Folder::open(&place)?;
     let found = work(&problem, &folder, args, command).inspect_err(|_| folder.abandon())?;
     let Files { fit, json, names } = found;
     if args.output.json {
         output::print(&json)?;
     } else if !args.output.quiet {
         let mut report = terminal::text(&fit, WIDTH);
+        if fit.outcome.uncertainty.is_none() && Methods::of(&args.uncertainty, command).any() {
+            report.push_str("\n! no interval was asked for: the fit determines nothing\n");
+        }
         if let Some(found) = &fit.outcome.uncertainty {
-            report.push_str(&format!("\n{}", uncertainty::text(found)));
+            report.push_str(&format!("\n{}", uncertainty::text(found, WIDTH)));
         }
         let seconds = began.elapsed().as_secs_f64();
         let written = format!("{}: {} ({seconds:.2} s)", folder.path().display(), names.join(" "));
@@ -40,6 +49,19 @@ pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
         output::print_report(&report)?;
     }
     Ok(outcome(&fit.outcome))
+}
+
+/// The name of the data if a result in `folder` would have it.
+fn written_over(file: &str, folder: &Path) -> Option<String> {
+    let file = Path::new(file);
+    let name = file.file_name()?.to_string_lossy().into_owned();
+    let same =
+        fs::canonicalize(file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new(".")))
+            .ok()
+            .zip(fs::canonicalize(folder).ok())
+            .is_some_and(|(ours, theirs)| ours == theirs);
+    let is_result = name == "fit.json" || name == "curves.csv" || FILES.contains(&name.as_str());
+    (same && is_result).then_some(name)
 }
 
 /// `fits/<name of the data>`, unless another folder is named.
@@ -87,8 +109,14 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
     let mut json = fit_json(&fit.outcome)?;
     files.push(("fit.json".to_owned(), json.clone()));
-    // What stands is written before the long work begins.
+    // What stands is written before the long work begins, and what belongs to an earlier fit is taken away.
+    let is_ours = folder.path().join("fit.json").is_file();
     folder.write(&files)?;
+    if is_ours {
+        let pictures = PICTURES.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
+        let all = pictures.chain(FILES.map(str::to_owned));
+        folder.remove_stale(&all.filter(|name| !names.contains(name)).collect::<Vec<String>>());
+    }
     let methods = Methods::of(&args.uncertainty, command);
     if let Some(intervals) = Intervals::ask(methods, &args.uncertainty, data, &fit, &tell)? {
         fit.outcome.uncertainty = Some(intervals.compared(&fit));
@@ -102,9 +130,6 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
         folder.write(&files)?;
     }
     names.insert(0, "fit.json".to_owned());
-    let pictures = PICTURES.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
-    let all = pictures.chain(FILES.map(str::to_owned));
-    folder.remove_stale(&all.filter(|name| !names.contains(name)).collect::<Vec<String>>());
     Ok(Files { fit, json, names })
 }
 

@@ -35,7 +35,7 @@ impl Methods {
         }
     }
 
-    fn any(self) -> bool {
+    pub(crate) fn any(self) -> bool {
         self != Self::default()
     }
 }
@@ -57,7 +57,8 @@ impl Intervals {
         fit: &Fit,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Option<Self>> {
-        let answered = !matches!(fit.outcome.verdict, Verdict::NotConverged | Verdict::NoThickness);
+        let told = fit.outcome.parameters.each().into_iter().any(|(_, estimate)| estimate.sigma.is_some());
+        let answered = fit.outcome.verdict != Verdict::NotConverged && told;
         if !methods.any() || !answered {
             return Ok(None);
         }

@@ -12,7 +12,7 @@ pub use rule::{Criterion, Standing};
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::fit::{FitError, fit};
-use crate::inversion::outcome::{Fit, FitOutcome};
+use crate::inversion::outcome::{Fit, FitOutcome, SigmaSource};
 use crate::inversion::parameter::{Parameter, Role};
 use crate::inversion::settings::FitSettings;
 use crate::inversion::undetermined::unit_of_residuals;
@@ -29,8 +29,8 @@ const REACHED: f64 = 1e-6;
 pub struct ChoiceFound {
     /// The rule as a sentence.
     pub rule: String,
-    /// Factor that the deviances were divided by before the criteria: the square of the widening of the standard
-    /// deviations of the variant that fits best, where even that misses the data; else 1.
+    /// Factor that the deviances were divided by before the criteria: chi² for each degree of freedom of the variant that
+    /// fits best, where even that misses the data, and what the correlation of its residuals makes of it; else 1.
     pub overdispersion: f64,
     /// A row for each variant.
     pub variants: Vec<VariantFound>,
@@ -92,7 +92,7 @@ struct Tried {
 /// held-out deviance                                behind if above the lowest by more than 1 standard error
 /// ```
 ///
-/// with the deviance `D` = chi² for stated sigma and `n ln(chi²/n)` without, and `c` the square of `widened_by` of the
+/// with the deviance `D` = chi² for stated sigma and `n ln(chi²/n)` without, and `c` the overdispersion of the
 /// variant that fits best. A variant loses if it is behind in two of the three, or has no minimum. If each loses, the best by
 /// held-out readings is kept.
 ///
@@ -134,12 +134,11 @@ pub fn choose(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) +
         }
     }
     let best = tried.iter().filter(|one| one.fit.outcome.termination.was_successful()).chain(&tried);
-    let best = best.min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map(|best| best.fit.outcome.widened_by);
-    let Some(widened_by) = best else {
+    let best = best.min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map(|best| overdispersion(&best.fit));
+    let Some(overdispersion) = best else {
         return Err(refused.unwrap_or(FitError::NowhereFinite { model: "chosen" }));
     };
     progress("predicting readings left out");
-    let overdispersion = widened_by * widened_by;
     let runs = Runs::new(data);
     let scores = tried.iter().map(|one| score(data, one, &runs, overdispersion)).collect::<Result<Vec<_>, _>>()?;
     let (kept, judged) = judge(&scores);
@@ -220,4 +219,16 @@ fn score(data: &Dataset, one: &Tried, runs: &Runs, overdispersion: f64) -> Resul
     let (aicc, bic) = criteria(one.deviance / overdispersion, readings, counted);
     let converged = one.fit.outcome.termination.was_successful();
     Ok(Score { converged, unknowns, aicc, bic, held_out: deviances(&compiled, &one.fit, runs) })
+}
+
+/// chi² for each degree of freedom where the model misses the data, and what the correlation of neighbouring residuals makes
+/// of it; else 1. How far the answer moves over parts of the data has no say: it is no noise.
+fn overdispersion(fit: &Fit) -> f64 {
+    let outcome = &fit.outcome;
+    if outcome.sigma_source != SigmaSource::Widened {
+        return 1.0;
+    }
+    let scatter = outcome.sigma_ratio.unwrap_or(1.0).max(1.0);
+    let r = outcome.residual_correlation.clamp(0.0, 0.99);
+    scatter * scatter * (1.0 + r) / (1.0 - r)
 }

@@ -1,7 +1,7 @@
 //! The intervals of all methods side by side, and where they part.
 
 use crate::inversion::intervals::{Bootstrap, IntervalPair, Posterior, Profiles, Resampling};
-use crate::inversion::outcome::{Estimate, Fit};
+use crate::inversion::outcome::{Estimate, Fit, Status};
 use crate::numerics::quantile::quantile;
 use serde::{Deserialize, Serialize};
 
@@ -168,7 +168,9 @@ pub fn compare(
             let limits = profile.map(|profile| profile.limits).or(estimate.bounds);
             let first = methods.first().filter(|method| method.method == Method::Covariance).cloned();
             for method in methods.iter_mut().filter(|method| method.method != Method::Covariance) {
-                method.parting = first.as_ref().and_then(|first| parting(method, first, best, limits));
+                // An interval that spans several answers is no measure for one about each.
+                let one = estimate.status != Status::Ambiguous;
+                method.parting = first.as_ref().filter(|_| one).and_then(|first| parting(method, first, best, limits));
             }
             let asked = methods.iter().any(|method| method.method != Method::Covariance);
             asked.then(|| IntervalsFound { name: name.to_owned(), unit: estimate.unit.clone(), methods })
@@ -222,7 +224,7 @@ fn sampled(
     rows: &[Vec<f64>],
     intervals: &[IntervalPair],
 ) -> Option<MethodIntervals> {
-    let column = names.iter().position(|other| *other == name)?;
+    let column = names.iter().position(|other| *other == name).filter(|_| !rows.is_empty())?;
     let mut values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
     values.sort_by(f64::total_cmp);
     #[allow(clippy::cast_precision_loss, reason = "sizes of samples are below 2^53")]
