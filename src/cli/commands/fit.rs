@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use morpho_fit::dataset::Dataset;
 use morpho_fit::export::{curves_csv, fit_json};
 use morpho_fit::inversion::{
-    Ask, Fit, FitOutcome, Parameter, Search, Status, Verdict, advise, chi_square_map, choose, fit,
+    Ask, Fit, FitOutcome, Parameter, Search, SigmaSource, Status, Verdict, advise, chi_square_map, choose, fit,
 };
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
@@ -96,9 +96,12 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }
-    tell("asking what to measure next");
-    let advice = advise(data, &fit, Ask::IfNeeded).with_context(|| file.clone())?;
-    fit.outcome.advice = advice.into_iter().map(|proposal| proposal.found).collect();
+    // More data do not mend a model that misses those there are.
+    if fit.outcome.sigma_source != SigmaSource::Widened {
+        tell("asking what to measure next");
+        let advice = advise(data, &fit, Ask::IfNeeded).with_context(|| file.clone())?;
+        fit.outcome.advice = advice.into_iter().map(|proposal| proposal.found).collect();
+    }
     let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
     let title = format!("{name}: {}", wording::verdict(&fit.outcome));
     let mut files = vec![("curves.csv".to_owned(), curves_csv(data, &fit)?)];
