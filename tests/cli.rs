@@ -474,11 +474,13 @@ fn noise_and_a_flat_curve_are_refused_whatever_is_asked() {
             text.push_str(&format!("{wavelength},0,0,{omega},{value},0.01\n"));
         }
         write(&folder, name, &text);
-        let ended = run(&folder, &format!("{name} --uncertainty all --out out"));
-        assert!([4, 5].contains(&ended.code), "{name}: {} {}", ended.code, ended.out);
-        let found = outcome(&folder, "out");
-        assert!(found.parameters.d_air.value.is_none() && found.parameters.d_cuticle.value.is_none(), "{name}");
-        assert!(found.derived.period.value.is_none() && found.uncertainty.is_none(), "{name}");
-        assert!(!found.warnings.is_empty(), "{name}: a reason is given");
+        for loss in ["linear", "huber", "cauchy"] {
+            let ended = run(&folder, &format!("{name} --uncertainty all --out out --loss {loss}"));
+            assert!([4, 5].contains(&ended.code), "{name} {loss}: {} {}", ended.code, ended.out);
+            let found = outcome(&folder, "out");
+            let thickness = [&found.parameters.d_air, &found.parameters.d_cuticle, &found.derived.period];
+            assert!(thickness.iter().all(|estimate| estimate.value.is_none()), "{name} {loss}");
+            assert!(found.uncertainty.is_none() && !found.warnings.is_empty(), "{name} {loss}: a reason is given");
+        }
     }
 }

@@ -236,3 +236,47 @@ fn the_bootstrap_of_cases_has_the_right_size() {
         assert!((0.4..2.5).contains(&ratio), "{}: {ratio}", quantity.name);
     }
 }
+
+/// A spectrum at normal incidence is even in the tilt: the derivative vanishes at no tilt, and yet the thicknesses depend
+/// on it by its cosine. They must not be called surer than that.
+#[test]
+fn a_tilt_that_the_data_are_even_in_is_in_the_intervals_of_the_others() {
+    let (model, blue) = (BlendModel::default(), Structure { delta: 8.0_f64.to_radians(), ..Structure::blue() });
+    let data = simulate(&model, &blue, &[Scan::spectrum(90.0)], 1.0, 0.01, 4).unwrap();
+    let found = fitted(&data).outcome;
+    for (estimate, truth) in [
+        (&found.derived.optical_sum, 141.0 + 1.56 * 62.0),
+        (&found.derived.period, 203.0),
+        (&found.parameters.d_air, 141.0),
+    ] {
+        let [low, high] = estimate.interval_95.unwrap();
+        assert!(low.is_none_or(|low| low < truth) && high.is_none_or(|high| truth < high), "{truth}: {estimate:?}");
+    }
+}
+
+/// Under a robust loss profile and posterior of clean data are those of least squares, and the bootstrap is refused.
+#[test]
+fn a_robust_loss_does_not_bend_the_intervals_of_clean_data() {
+    let data = full(0.01, 5);
+    let settings = FitSettings { loss: morpho_fit::optimise::Loss::Huber, ..FitSettings::default() };
+    let found = fit(&data, &settings, &quiet).unwrap();
+    let profiles = profiles(&data, &found, &quiet).unwrap();
+    assert!(profiles.lower.is_none());
+    let posterior = posterior(&data, &found, &PosteriorSettings::new(1), &quiet).unwrap();
+    let table = compare(&found, Some(&profiles), &[], Some(&posterior));
+    for quantity in &table.quantities {
+        assert!(quantity.methods.iter().all(|method| !method.parts()), "{quantity:?}");
+    }
+    let settings = BootstrapSettings::new(Resampling::Cases, 1);
+    assert_eq!(bootstrap(&data, &found, &settings, &quiet).unwrap_err(), FitError::RobustBootstrap);
+}
+
+/// A period that cannot be held, because a third parameter follows the cuticle, has no profile; the others have theirs.
+#[test]
+fn a_sum_that_a_link_depends_on_is_left_out() {
+    let data = full(0.01, 5);
+    let role = Role::Linked { other: Parameter::DCuticle, factor: 5.0, constant: -10.0 };
+    let found = fit(&data, &FitSettings::default().with_role(Parameter::LamellaWidth, role), &quiet).unwrap();
+    let names: Vec<&str> = profiles(&data, &found, &quiet).unwrap().quantities.iter().map(|one| one.name).collect();
+    assert!(names.contains(&"d_air") && names.contains(&"d_cuticle") && !names.contains(&"period"), "{names:?}");
+}

@@ -84,6 +84,20 @@ pub(crate) struct Uncertainty {
     unit: f64,
 }
 
+/// How far `sum gradient · parameter` moves at most along a held parameter that acts to second order; the truth lies
+/// anywhere between, so that a third of its square is a variance.
+fn shift(held: &Held, gradient: &[f64; COUNT], found: &Found<'_>) -> f64 {
+    let here = found.space.freedom.expand(&found.best.parameters);
+    let moved = |there: &[f64; COUNT]| {
+        (0..COUNT)
+            .filter(|&j| Some(j) != held.direction.first().map(|(parameter, _)| parameter.index()))
+            .map(|j| gradient[j] * (there[j] - here[j]))
+            .sum::<f64>()
+            .abs()
+    };
+    held.elsewhere.iter().map(moved).fold(0.0, f64::max)
+}
+
 /// Minima that fit as well as the best, itself left out.
 pub(crate) fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = &'a Minimum> {
     let (best, level) = (found.minima[0].sum_of_squares(), found.settings.level);
@@ -200,7 +214,8 @@ impl Uncertainty {
             along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
         }
         let added = self.spread.as_ref().map_or(0.0, |spread| spread.variance(&DVector::from_column_slice(gradient)));
-        (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0) + added)
+        let even: f64 = found.held.iter().map(|held| shift(held, gradient, found).powi(2) / 3.0).sum();
+        (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0) + added + even)
     }
 
     /// Factor by which the spread widens a standard deviation of this variance.

@@ -52,6 +52,11 @@ pub enum FitError {
         /// Readings of the fit.
         fitted: usize,
     },
+    /// A bootstrap of a fit with a robust loss.
+    #[error(
+        "the bootstrap needs the linear loss: it would draw outliers onto other readings; profile and sample do without"
+    )]
+    RobustBootstrap,
     /// A posterior that cannot be sampled.
     #[error(transparent)]
     Sampler(#[from] SamplerError),

@@ -12,6 +12,7 @@ use crate::inversion::compiled::Compiled;
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::inside;
 use crate::inversion::space::Space;
+use crate::inversion::undetermined::unit_of_residuals;
 use crate::numerics::normal::{density, distribution};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -34,12 +35,13 @@ pub(crate) enum Noise {
 
 impl Noise {
     pub(crate) fn of(data: &Dataset, fit: &Fit) -> Self {
-        let (unit, widened) = (fit.solution.unit, fit.outcome.widened_by);
-        if data.has_sigma() {
-            Self::Known(unit)
-        } else {
-            Self::Unknown { unit, independent: (widened * widened).recip() }
+        let unit = fit.solution.unit;
+        // The weights of a robust loss leave no likelihood to integrate sigma over.
+        if data.has_sigma() || !fit.solution.robust.is_empty() {
+            return Self::Known(unit);
         }
+        let scatter = unit_of_residuals(data, fit.outcome.chi2, fit.outcome.dof);
+        Self::Unknown { unit, independent: (scatter / unit).powi(2).min(1.0) }
     }
 }
 

@@ -114,6 +114,12 @@ impl Quantity {
         self.slopes(space).iter().enumerate().fold((constant, constant), ends)
     }
 
+    /// Whether [`held`](Self::held) can hold it at all: what another parameter follows cannot follow it.
+    pub(crate) fn can_be_held(self, roles: &[Role; COUNT], space: &Space) -> bool {
+        let (low, high) = self.limits(space);
+        self.held(roles, space, 0.5 * (low + high)).is_some()
+    }
+
     /// `roles` with the quantity held at `value`; `None` if that leaves no room, or if it depends on more than two
     /// parameters or on one that another follows.
     pub(crate) fn held(self, roles: &[Role; COUNT], space: &Space, value: f64) -> Option<[Role; COUNT]> {

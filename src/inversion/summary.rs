@@ -69,7 +69,10 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     // Residuals far below the stated noise, or below rounding, are not the model's: they have no say.
     let largest = found.data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
     let told = if found.data.has_sigma() { reduced > UNHEARD } else { unit > ROUNDING * largest };
-    let structured = told && correlation_of_residuals.deviations > STRUCTURED;
+    let tests = tests_by_curve(found, &readings);
+    // Residuals larger than stated that look like noise are noise: a factor mends it.
+    let noise = is_noise(&tests, reduced / (unit * unit));
+    let structured = told && (correlation_of_residuals.deviations > STRUCTURED || !noise);
     let by_structure = if structured { correlation_of_residuals.widening() } else { 1.0 };
     let sigma_source = match (missed || structured, found.data.has_sigma()) {
         (true, _) => SigmaSource::Widened,
@@ -78,17 +81,15 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     };
     let (plain_unit, unit) = (unit * by_misfit, unit * by_misfit * by_structure);
     let mut uncertainty = Uncertainty::new(found, &problem, &point, &in_use, unit, dof, sigma_source);
-    let tests = tests_by_curve(found, &readings);
-    // Residuals larger than stated that look like noise are noise: a factor mends it.
-    let bent = structured || (missed && !is_noise(&tests, reduced));
+    let bent = structured || (missed && !noise);
     let by_spread = if bent { uncertainty.widen(jackknife(found, &point, &in_use), dof) } else { 1.0 };
     let widened_by = by_misfit * by_structure * by_spread;
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
-    let gain = (chi2_of_constants(found) - chi2) / (plain_unit * plain_unit);
+    let gain = gain_over_constants(found, &readings) / (plain_unit * plain_unit);
     #[allow(clippy::cast_precision_loss, reason = "a column count is small")]
     let by_luck = CHANCE + 2.0 * found.linear.columns.len().saturating_sub(3) as f64;
-    let by_chance = gain < by_luck && found.settings.loss == Loss::Linear;
+    let by_chance = gain < by_luck;
     if by_chance || !found.best.termination.was_successful() {
         let fitted = estimates.iter_mut().filter(|estimate| estimate.bounds.is_some());
         fitted.chain([&mut derived.period, &mut derived.optical_sum]).for_each(Estimate::withdraw);
@@ -206,18 +207,22 @@ fn robust(found: &Found<'_>, readings: &[FittedReading], dof: usize) -> Option<R
     Some(Robust { cost: scale * scale * rho, unit: scale * (pull / dof * (weight / n)).sqrt() / slope })
 }
 
-/// chi² of the best constant; of one for each curve where the fit has something of its own for each.
-fn chi2_of_constants(found: &Found<'_>) -> f64 {
+/// By how much the fit's weighted sum of squares is below that of the best constant; of one for each curve where the fit has
+/// something of its own for each. A robust loss weighs both as it weighs the fit.
+fn gain_over_constants(found: &Found<'_>, readings: &[FittedReading]) -> f64 {
     let nuisances = &found.settings.nuisances;
     let each = nuisances.scale == Extent::PerCurve || nuisances.background == Extent::PerCurve;
     let mut sums = vec![(0.0, 0.0, 0.0); found.plan.curves];
-    for reading in &found.plan.readings {
-        let (weight, sum) = (reading.weight * reading.weight, &mut sums[if each { reading.curve } else { 0 }]);
+    let mut left = 0.0;
+    for (row, (reading, fitted)) in found.plan.readings.iter().zip(readings).enumerate() {
+        let weight = (reading.weight * found.robust.get(row).copied().unwrap_or(1.0)).powi(2);
+        let sum = &mut sums[if each { reading.curve } else { 0 }];
         sum.0 += weight;
         sum.1 += weight * reading.intensity;
         sum.2 += weight * reading.intensity * reading.intensity;
+        left += weight * fitted.residual * fitted.residual;
     }
-    sums.iter().filter(|sum| sum.0 > 0.0).map(|(w, wy, wyy)| wyy - wy * wy / w).sum()
+    sums.iter().filter(|sum| sum.0 > 0.0).map(|(w, wy, wyy)| wyy - wy * wy / w).sum::<f64>() - left
 }
 
 fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> {

@@ -19,6 +19,9 @@ pub(crate) struct Held {
     pub(crate) deviation: f64,
     /// Whether the data do depend on its first parameter, but a scale or background does the same.
     pub(crate) absorbed: bool,
+    /// Structures that fit as well with its parameter elsewhere, where the data depend on it to second order only: those
+    /// farthest off, inside units.
+    pub(crate) elsewhere: Vec<[f64; COUNT]>,
 }
 
 impl Held {
@@ -117,11 +120,48 @@ pub(crate) fn hold_undetermined(
             let bare = column.map_or(0.0, |j| problem.full_jacobian(&point).column(j).norm() * space.ranges[j]);
             bare > ABSORBED * problem.size_of_data()
         });
-        held.push(Held { direction, deviation, absorbed });
         roles[parameter.index()] = Role::Fixed { value };
         space = Space::new(&roles)?;
         let problem = Problem::new(compiled, &space, robust);
         best = minimise(&problem, &space.freedom.restrict(&values), FINE);
+        let even = direction.len() == 1 && deviation.is_infinite() && !absorbed && compiled.plan.sees(parameter);
+        let elsewhere = if even {
+            let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
+            elsewhere(compiled, robust, &roles, parameter, &values, most)
+        } else {
+            Vec::new()
+        };
+        held.push(Held { direction, deviation, absorbed, elsewhere });
     }
     Ok((held, space, best))
+}
+
+/// The structures farthest off in `parameter`, to either side, whose sum of squares is below `most`.
+///
+/// At a symmetry, such as no tilt under normal incidence, the derivative is zero and yet the others move with it.
+fn elsewhere(
+    compiled: &Compiled<'_>,
+    robust: &[f64],
+    roles: &[Role; COUNT],
+    parameter: Parameter,
+    values: &[f64; COUNT],
+    most: f64,
+) -> Vec<[f64; COUNT]> {
+    let Role::Free { lower, upper } = compiled.settings.roles[parameter.index()] else { return Vec::new() };
+    let mut found = Vec::new();
+    for end in [lower, upper] {
+        for share in [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12] {
+            let mut roles = *roles;
+            let here = values[parameter.index()];
+            roles[parameter.index()] = Role::Fixed { value: here + share * (end - here) };
+            let Ok(space) = Space::new(&roles) else { break };
+            let problem = Problem::new(compiled, &space, robust);
+            let there = minimise(&problem, &space.freedom.restrict(values), FINE);
+            if there.sum_of_squares() <= most {
+                found.push(space.freedom.expand(&there.parameters));
+                break;
+            }
+        }
+    }
+    found
 }

@@ -13,6 +13,10 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
         [(parameter, _)] if held.deviation.is_infinite() && held.absorbed => {
             format!("{parameter} cannot be told: in these data it acts as a scale does")
         }
+        [(parameter, _)] if held.deviation.is_infinite() && !held.elsewhere.is_empty() => format!(
+            "{parameter} cannot be told: the data are even in it; what it may be within its bounds is in the intervals of \
+             the others"
+        ),
         [(parameter, _)] if held.deviation.is_infinite() => {
             format!("{parameter} cannot be told: nothing in the data depends on it")
         }
@@ -75,7 +79,7 @@ mod tests {
     use super::*;
 
     fn held(direction: Vec<(Parameter, f64)>, deviation: f64) -> Held {
-        Held { direction, deviation, absorbed: false }
+        Held { direction, deviation, absorbed: false, elsewhere: Vec::new() }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::choice;
 use super::digits::{plain, with_sigma};
 use super::table::{Align, Table};
 use super::wording;
-use crate::inversion::{AdviceFound, Estimate, Fit, FitOutcome, NuisanceFound, Verdict};
+use crate::inversion::{AdviceFound, Estimate, Fit, FitOutcome, NuisanceFound, SigmaSource, Verdict};
 
 /// Warnings that are told; all of them are in `fit.json`.
 const WARNINGS: usize = 6;
@@ -101,7 +101,8 @@ fn row(name: &str, estimate: &Estimate) -> [String; 6] {
 fn stiffness(outcome: &FitOutcome) -> String {
     let all = &outcome.identifiability.combinations;
     let (Some(stiff), Some(sloppy), true) = (all.first(), all.last(), all.len() > 1) else { return String::new() };
-    if !answers(outcome) {
+    // Where the model misses the data these are not what is known.
+    if !answers(outcome) || outcome.sigma_source == SigmaSource::Widened {
         return String::new();
     }
     format!("stiffest: {}; sloppiest: {}", wording::combination(stiff), wording::combination(sloppy))

@@ -9,6 +9,7 @@ use morpho_fit::inversion::intervals::{
     compare, posterior, profiles,
 };
 use morpho_fit::inversion::{Fit, FitOutcome, Verdict};
+use morpho_fit::optimise::Loss;
 use morpho_fit::plot::Figure;
 use morpho_fit::plot::intervals::{posterior_corner, posterior_trace, profiles_figure};
 
@@ -65,7 +66,8 @@ impl Intervals {
         let seed = fit.outcome.seed;
         let profiles = methods.profile.then(|| profiles(data, fit, progress)).transpose()?;
         let mut bootstraps = Vec::new();
-        if methods.bootstrap {
+        let all = args.uncertainty.contains(&UncertaintyWord::All);
+        if methods.bootstrap && !(all && fit.outcome.settings.loss != Loss::Linear) {
             for resampling in [Resampling::Residuals, Resampling::Cases] {
                 let settings =
                     BootstrapSettings { replicates: args.replicates, ..BootstrapSettings::new(resampling, seed) };

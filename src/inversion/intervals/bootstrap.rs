@@ -9,7 +9,7 @@ use crate::inversion::parameter::COUNT;
 use crate::inversion::problem::Problem;
 use crate::inversion::quantity::Quantity;
 use crate::numerics::quantile::{NINETY_FIVE, SIXTY_EIGHT, central};
-use crate::optimise::{LeastSquares, Minimum, Tolerances, minimise};
+use crate::optimise::{LeastSquares, Loss, Minimum, Tolerances, minimise};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::{IntoParallelIterator, ParallelIterator};
@@ -78,11 +78,12 @@ pub struct Bootstrap {
 /// cases       chi²* = sum_i m_i r_i²,   m_i = how often reading i of its curve was drawn
 /// ```
 ///
-/// The size is 1 where sigma is stated, else the scatter. What the data do not determine stays where the fit held it; the weights of a robust loss stay, too. Intervals are
-/// percentiles: half of what is left out lies on either side.
+/// The size is 1 where sigma is stated, else the scatter. What the data do not determine stays where the fit held it.
+/// Intervals are percentiles: half of what is left out lies on either side.
 ///
 /// # Errors
-/// [`FitError`] if `data` are not those of `fit`.
+/// [`FitError`] if `data` are not those of `fit`, or if its loss is robust: the weights that tame outliers are not those of
+/// the readings they would be drawn to.
 ///
 /// # Seed
 /// Each replicate has a generator of its own: the number of threads changes nothing.
@@ -96,6 +97,9 @@ pub fn bootstrap(
     settings: &BootstrapSettings,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Bootstrap, FitError> {
+    if fit.outcome.settings.loss != Loss::Linear {
+        return Err(FitError::RobustBootstrap);
+    }
     let model = fit.outcome.settings.model.build(fit.outcome.settings.stack.clone());
     let compiled = Compiled::of_fit(data, fit, model.as_ref())?;
     let solution = &fit.solution;
@@ -192,11 +196,21 @@ impl Draws {
             curves[reading.curve].push(row);
         }
         let deviations: Vec<f64> = compiled.plan.readings.iter().map(|reading| reading.weight.recip()).collect();
+        let mut residuals: Vec<f64> =
+            fit.readings.iter().zip(&deviations).map(|(row, sigma)| row.residual / sigma).collect();
         #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
         let (n, dof) = (compiled.plan.len() as f64, fit.outcome.dof.max(1) as f64);
-        let fuller = (n / dof).sqrt();
-        let residuals =
-            fit.readings.iter().zip(&deviations).map(|(row, sigma)| fuller * row.residual / sigma).collect();
+        let scatter = (residuals.iter().map(|residual| residual * residual).sum::<f64>() / dof).sqrt();
+        // Noise has no mean: what the residuals of a curve have of one would move every replicate.
+        for rows in &curves {
+            #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+            let mean = rows.iter().map(|&row| residuals[row]).sum::<f64>() / rows.len().max(1) as f64;
+            rows.iter().for_each(|&row| residuals[row] -= mean);
+        }
+        let size = if fit.outcome.sigma_source == SigmaSource::Stated { 1.0 } else { scatter };
+        let own = (residuals.iter().map(|residual| residual * residual).sum::<f64>() / n).sqrt();
+        let factor = if own > 0.0 { size / own } else { 0.0 };
+        residuals.iter_mut().for_each(|residual| *residual *= factor);
         Self {
             curves,
             model: fit.readings.iter().map(|row| row.model).collect(),

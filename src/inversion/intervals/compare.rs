@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 /// Ends whose distances from the best value differ by more than this share part.
 const PART: f64 = 0.2;
-/// An end nearer to the best value than this share of the other's distance is not compared.
-const NEAR: f64 = 0.05;
+/// An end nearer to the best value than this share of the other's distance lies at it, as at a bound.
+const NEAR: f64 = 1e-6;
 
 /// How an interval was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -77,6 +77,7 @@ pub fn profiles(data: &Dataset, fit: &Fit, progress: &(dyn Fn(&str) + Sync)) -> 
     let task = Task { compiled: &compiled, fit };
     let found: Vec<(QuantityProfile, Option<[f64; COUNT]>)> = quantities
         .par_iter()
+        .filter(|quantity| quantity.can_be_held(&compiled.settings.roles, &fit.solution.searched))
         .map(|&quantity| {
             progress(&format!("profile of {}", quantity.name()));
             task.profile(quantity)
@@ -98,8 +99,10 @@ impl Task<'_> {
         let values = searched.freedom.expand(&best.parameters);
         let limits = quantity.limits(searched);
         let sigma = quantity.estimate(&self.fit.outcome).sigma.map(|sigma| quantity.inside(sigma));
-        let others: Vec<[f64; COUNT]> =
-            rivals(&self.fit.solution).map(|minimum| searched.freedom.expand(&minimum.parameters)).collect();
+        let others: Vec<[f64; COUNT]> = (rivals(&self.fit.solution)
+            .map(|minimum| searched.freedom.expand(&minimum.parameters)))
+        .chain(self.fit.solution.held.iter().flat_map(|held| held.elsewhere.clone()))
+        .collect();
         // The spaces of one quantity differ in the held value alone: the free parameters are numbered alike.
         let conditional = |value: f64, starts: &[&DVector<f64>]| {
             let roles = quantity.held(&self.compiled.settings.roles, searched, value)?;
@@ -120,8 +123,9 @@ impl Task<'_> {
         let start = ProfileStart {
             value: quantity.of(&values),
             others: own.unwrap_or_else(|| DVector::zeros(0)),
-            sum_of_squares: best.sum_of_squares(),
-            sigma: sigma.unwrap_or(BLIND * (limits.1 - limits.0)).clamp(1e-12, limits.1 - limits.0),
+            // Under a robust loss a minimum's own residuals are those of the loss.
+            sum_of_squares: Problem::new(self.compiled, searched, robust).residuals(&best.parameters).norm_squared(),
+            sigma: sigma.unwrap_or(BLIND * (limits.1 - limits.0)).min(limits.1 - limits.0).max(f64::MIN_POSITIVE),
             limits,
             unit: *unit,
         };
