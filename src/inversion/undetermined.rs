@@ -127,7 +127,7 @@ pub(crate) fn hold_undetermined(
         let even = direction.len() == 1 && deviation.is_infinite() && !absorbed && compiled.plan.sees(parameter);
         let elsewhere = if even {
             let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
-            elsewhere(compiled, robust, &roles, parameter, &values, most)
+            elsewhere(compiled, robust, parameter, &values, most)
         } else {
             Vec::new()
         };
@@ -142,7 +142,6 @@ pub(crate) fn hold_undetermined(
 fn elsewhere(
     compiled: &Compiled<'_>,
     robust: &[f64],
-    roles: &[Role; COUNT],
     parameter: Parameter,
     values: &[f64; COUNT],
     most: f64,
@@ -151,12 +150,19 @@ fn elsewhere(
     let mut found = Vec::new();
     for end in [lower, upper] {
         for share in [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12] {
-            let mut roles = *roles;
+            let mut roles = compiled.settings.roles;
             let here = values[parameter.index()];
             roles[parameter.index()] = Role::Fixed { value: here + share * (end - here) };
             let Ok(space) = Space::new(&roles) else { break };
             let problem = Problem::new(compiled, &space, robust);
-            let there = minimise(&problem, &space.freedom.restrict(values), FINE);
+            // A lobe that a tilt leaves dark has no slope: begin with the widest, too.
+            let mut widest = *values;
+            if let Role::Free { upper, .. } = roles[Parameter::PhiAlpha.index()] {
+                widest[Parameter::PhiAlpha.index()] = upper;
+            }
+            let runs = [*values, widest].map(|start| minimise(&problem, &space.freedom.restrict(&start), FINE));
+            let [one, two] = runs;
+            let there = if two.sum_of_squares() < one.sum_of_squares() { two } else { one };
             if there.sum_of_squares() <= most {
                 found.push(space.freedom.expand(&there.parameters));
                 break;
