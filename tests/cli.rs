@@ -4,61 +4,13 @@ use assert_cmd::Command;
 use morpho_fit::inversion::{FitOutcome, SCHEMA, Status};
 use morpho_fit::optics::Material;
 use std::fs;
-use std::path::Path;
 use std::process::Stdio;
 use tempfile::TempDir;
 
-/// How a run ended.
-struct Ended {
-    code: i32,
-    out: String,
-    err: String,
-}
+#[path = "support/program.rs"]
+mod program;
 
-/// Runs the program in `folder`; arguments are separated by spaces.
-fn run(folder: &TempDir, arguments: &str) -> Ended {
-    run_with(folder, &arguments.split_whitespace().collect::<Vec<_>>())
-}
-
-fn run_with(folder: &TempDir, arguments: &[&str]) -> Ended {
-    let mut command = Command::cargo_bin("morpho-fit").unwrap();
-    let output = command.current_dir(folder.path()).args(arguments).output().unwrap();
-    Ended {
-        code: output.status.code().unwrap(),
-        out: String::from_utf8(output.stdout).unwrap(),
-        err: String::from_utf8(output.stderr).unwrap(),
-    }
-}
-
-#[track_caller]
-fn succeeds(folder: &TempDir, arguments: &str) -> Ended {
-    let ended = run(folder, arguments);
-    assert_eq!(ended.code, 0, "{arguments}: {}", ended.err);
-    ended
-}
-
-/// A fresh folder with `blue.csv`, the full design with noise.
-fn with_blue() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    succeeds(&folder, "simulate --seed 7 --out blue.csv");
-    folder
-}
-
-fn outcome(folder: &TempDir, place: &str) -> FitOutcome {
-    serde_json::from_slice(&fs::read(folder.path().join(place).join("fit.json")).unwrap()).unwrap()
-}
-
-fn write(folder: &TempDir, name: &str, text: &str) {
-    fs::write(folder.path().join(name), text).unwrap();
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
-}
+use program::{names, outcome, run, run_with, succeeds, with_blue, write};
 
 #[test]
 fn a_simulated_measurement_is_checked_and_fitted() {
@@ -411,76 +363,5 @@ fn model_auto_prints_its_table_and_leaves_a_fit_that_can_be_made_again() {
         let ended = run(&folder, arguments);
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.out);
         assert!(ended.err.contains("give --model blend or --model paper"), "{}", ended.err);
-    }
-}
-
-#[test]
-fn all_intervals_are_asked_at_once_and_leave_their_numbers_and_pictures() {
-    let folder = with_blue();
-    let ended = succeeds(&folder, "blue.csv --uncertainty all --replicates 200 --effective 1000 --out all");
-    for word in ["covariance", "profile", "bootstrap, residuals", "bootstrap, cases", "posterior", "split-R̂"] {
-        assert!(ended.out.contains(word), "{word}: {}", ended.out);
-    }
-    let written = names(&folder.path().join("all"));
-    for name in ["profile.csv", "bootstrap.csv", "posterior.csv", "profile.svg", "corner.png", "trace.svg", "atlas.svg"]
-    {
-        assert!(written.iter().any(|other| other == name), "{name}: {written:?}");
-    }
-    let found = outcome(&folder, "all").uncertainty.unwrap();
-    assert_eq!(found.quantities.len(), 7);
-    assert!(found.quantities.iter().all(|quantity| quantity.methods.len() == 5), "{found:?}");
-    assert!(found.posterior.unwrap().converged);
-    let rows = |name: &str| fs::read_to_string(folder.path().join("all").join(name)).unwrap().lines().count();
-    assert_eq!(rows("bootstrap.csv"), 401);
-    assert!(rows("posterior.csv") > 1000 && rows("profile.csv") > 50);
-    // A later fit without intervals takes their files away: they would belong to another result.
-    succeeds(&folder, "blue.csv --out all");
-    assert!(!names(&folder.path().join("all")).iter().any(|name| name.starts_with("posterior")));
-}
-
-#[test]
-fn each_method_has_a_word() {
-    let folder = with_blue();
-    for (word, file) in [("profile", "profile.csv"), ("bootstrap", "bootstrap.csv"), ("sample", "posterior.csv")] {
-        let ended =
-            succeeds(&folder, &format!("{word} blue.csv --no-plots --replicates 100 --effective 500 --out {word}"));
-        assert!(ended.out.contains(file), "{}", ended.out);
-        assert_eq!(names(&folder.path().join(word)), {
-            let mut expected = vec!["curves.csv".to_owned(), "fit.json".to_owned(), file.to_owned()];
-            expected.sort();
-            expected
-        });
-    }
-    let wrong = run(&folder, "blue.csv --uncertainty guess");
-    assert_eq!((wrong.code, wrong.out.as_str()), (2, ""));
-    assert_eq!(run(&folder, "sample blue.csv --effective 3").code, 2);
-}
-
-/// Negative controls: noise and a flat curve give no thickness, and no interval of one.
-#[test]
-fn noise_and_a_flat_curve_are_refused_whatever_is_asked() {
-    let folder = TempDir::new().unwrap();
-    let mut state = 1_u32;
-    // The minimal standard generator of Park and Miller.
-    let mut random = || {
-        state = u32::try_from(u64::from(state) * 48_271 % 2_147_483_647).unwrap();
-        f64::from(state) / 2_147_483_647.0
-    };
-    let noise: Vec<f64> = (0..74).map(|_| 0.5 + 0.02 * (random() + random() + random() - 1.5)).collect();
-    for (name, values) in [("noise.csv", noise), ("flat.csv", vec![0.3; 74])] {
-        let mut text = "wavelength_nm,theta_deg,phi_deg,omega_deg,intensity,sigma\n".to_owned();
-        for (index, value) in values.iter().enumerate() {
-            let (wavelength, omega) = (380 + 10 * (index % 37), 90 * (index / 37));
-            text.push_str(&format!("{wavelength},0,0,{omega},{value},0.01\n"));
-        }
-        write(&folder, name, &text);
-        for loss in ["linear", "huber", "cauchy"] {
-            let ended = run(&folder, &format!("{name} --uncertainty all --out out --loss {loss}"));
-            assert!([4, 5].contains(&ended.code), "{name} {loss}: {} {}", ended.code, ended.out);
-            let found = outcome(&folder, "out");
-            let thickness = [&found.parameters.d_air, &found.parameters.d_cuticle, &found.derived.period];
-            assert!(thickness.iter().all(|estimate| estimate.value.is_none()), "{name} {loss}");
-            assert!(found.uncertainty.is_none() && !found.warnings.is_empty(), "{name} {loss}: a reason is given");
-        }
     }
 }
