@@ -10,7 +10,7 @@ use crate::inversion::search::{self, COARSE, Cell};
 use crate::inversion::space::Space;
 use crate::optimise::{LeastSquares, Minimum, minimise};
 use crate::uncertainty::covariance::regularised;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
@@ -113,6 +113,20 @@ impl Relation {
     }
 }
 
+/// The normal approximation of the posterior about a minimum: its covariance, the bounds counting as a normal prior of their
+/// spread, and the logarithm of its share, up to what all have in common.
+pub(crate) fn laplace(
+    minimum: &Minimum,
+    best: &Minimum,
+    ranges: &DVector<f64>,
+    unit: f64,
+) -> Option<(DMatrix<f64>, f64)> {
+    let covariance = regularised(&(&minimum.triangle / unit), ranges)?;
+    let volume: f64 = covariance.clone().cholesky()?.l().diagonal().iter().map(|side| side.ln()).sum();
+    let behind = (minimum.sum_of_squares() - best.sum_of_squares()) / (unit * unit);
+    Some((covariance, volume - 0.5 * behind))
+}
+
 /// Shares of the posterior about each of `minima`, from the curvature of each; of one common unit.
 ///
 /// ```text
@@ -122,12 +136,8 @@ impl Relation {
 /// # Source
 /// Laplace's approximation: Tierney and Kadane 1986, DOI 10.1080/01621459.1986.10478240.
 pub(crate) fn weights(minima: &[Minimum], ranges: &DVector<f64>, unit: f64) -> Vec<f64> {
-    let best = minima.first().map_or(0.0, Minimum::sum_of_squares);
-    let logarithm = |minimum: &Minimum| {
-        let covariance = regularised(&(&minimum.triangle / unit), ranges)?;
-        let volume: f64 = covariance.cholesky()?.l().diagonal().iter().map(|side| side.ln()).sum();
-        Some(volume - 0.5 * (minimum.sum_of_squares() - best) / (unit * unit))
-    };
+    let Some(best) = minima.first() else { return Vec::new() };
+    let logarithm = |minimum: &Minimum| laplace(minimum, best, ranges, unit).map(|(_, logarithm)| logarithm);
     let all: Vec<f64> = minima.iter().map(|minimum| logarithm(minimum).unwrap_or(f64::NEG_INFINITY)).collect();
     let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !most.is_finite() {

@@ -18,7 +18,7 @@ use crate::inversion::undetermined::{Held, unit_of_residuals};
 use crate::inversion::{warnings, wording};
 use crate::optimise::Loss;
 use crate::uncertainty::discrepancy::is_noise;
-use crate::uncertainty::goodness::excess;
+use crate::uncertainty::goodness::{excess, information_criteria};
 use crate::uncertainty::identifiability::Identifiability;
 
 /// Data that exceed the stated noise by this many standard deviations of chi² are missed by the model.
@@ -240,11 +240,12 @@ fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> 
 
 /// Akaike's corrected and Bayes's criterion, from chi² where sigma is stated and from the scatter where it is not.
 fn criteria(has_sigma: bool, chi2: f64, readings: usize, unknowns: usize) -> (Option<f64>, f64) {
+    if has_sigma {
+        return information_criteria(chi2, readings, unknowns);
+    }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
-    let (n, k) = (readings as f64, (unknowns + usize::from(!has_sigma)) as f64);
-    let deviance = if has_sigma { chi2 } else { n * (chi2 / n).max(f64::MIN_POSITIVE).ln() };
-    let room = n - k - 1.0;
-    ((room > 0.0).then(|| deviance + 2.0 * k + 2.0 * k * (k + 1.0) / room), deviance + k * n.ln())
+    let n = readings as f64;
+    information_criteria(n * (chi2 / n).max(f64::MIN_POSITIVE).ln(), readings, unknowns + 1)
 }
 
 fn verdict(found: &Found<'_>, estimates: &[Estimate; COUNT], derived: &Derived) -> Verdict {

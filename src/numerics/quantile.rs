@@ -22,7 +22,8 @@ pub fn quantile(rising: &[f64], share: f64) -> Option<f64> {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to last")]
     let below = place.floor() as usize;
     let (low, high) = (rising.get(below)?, rising.get((below + 1).min(last))?);
-    Some(low + (place - place.floor()) * (high - low))
+    let part = place - place.floor();
+    Some((1.0 - part) * low + part * high)
 }
 
 /// The two ends between which the middle `share` of a rising sample lies.

@@ -1,5 +1,7 @@
 //! Samples in bins, in one and two dimensions.
 
+use crate::numerics::quantile;
+
 /// Number of bins of a histogram: Freedman and Diaconis, within bounds that a small panel can show.
 ///
 /// ```text
@@ -23,12 +25,7 @@ pub(super) fn bins(sorted: &[f64], (least, most): (usize, usize)) -> usize {
 
 /// The quantile of ascending values at a share of them, linear between neighbours; not a number without values.
 pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share.clamp(0.0, 1.0) * sorted.len().saturating_sub(1) as f64;
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below the number of values")]
-    let index = place as usize;
-    let at = |index: usize| sorted.get(index.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN);
-    let part = place - index as f64;
-    (1.0 - part) * at(index) + part * at(index + 1)
+    quantile::quantile(sorted, share).unwrap_or(f64::NAN)
 }
 
 /// `bins + 1` equally spaced edges.

@@ -114,7 +114,7 @@ pub fn map_figure(map: &ChiSquareMap, outcome: &FitOutcome, title: &str) -> Resu
     let level = outcome.settings.level;
     atlas_figure(&Atlas {
         title: title.to_owned(),
-        subtitle: "chi² with everything else at its best".to_owned(),
+        subtitle: "chi² with everything else at or near its best".to_owned(),
         x_label: "d_air / nm".to_owned(),
         y_label: "d_cuticle / nm".to_owned(),
         x: middles(&map.d_air_edges),

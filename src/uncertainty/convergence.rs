@@ -14,6 +14,7 @@
 //! Vehtari, Gelman, Simpson, Carpenter, Bürkner 2021, DOI 10.1214/20-BA1221; Geyer 1992, DOI 10.1214/ss/1177011137.
 
 use crate::numerics::normal::normal_quantile;
+use crate::numerics::quantile::quantile;
 
 /// A half of fewer steps has no autocorrelation to speak of: chains must have twice as many.
 const SHORTEST_HALF: usize = 5;
@@ -83,16 +84,6 @@ impl Convergence {
         let bulk = scores.effective_size()?;
         Some(Self { r_hat: r_hat.max(spread.unwrap_or(r_hat)), bulk, tail: if tail.is_finite() { tail } else { bulk } })
     }
-}
-
-/// Quantile of sorted values, linear between them (type 7 of Hyndman and Fan 1996).
-fn quantile(sorted: &[f64], probability: f64) -> Option<f64> {
-    #[allow(clippy::cast_precision_loss, reason = "counts of samples are below 2^53")]
-    let place = (sorted.len().checked_sub(1)?) as f64 * probability;
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in 0..len")]
-    let below = place as usize;
-    let (low, high) = (*sorted.get(below)?, *sorted.get(below + 1).or(sorted.last())?);
-    Some(low + (high - low) * place.fract())
 }
 
 /// Halves of chains, one after the other, each of `length` steps.

@@ -27,6 +27,31 @@ pub fn excess(chi2: f64, dof: usize) -> f64 {
     ((chi2 / dof).cbrt() - (1.0 - variance)) / variance.sqrt()
 }
 
+/// Akaike's criterion with the correction for small samples, and Bayes's, of a deviance: `-2 log` of the largest likelihood.
+///
+/// ```text
+/// AICc = D + 2 k + 2 k (k + 1)/(n - k - 1),   BIC = D + k ln n
+/// ```
+///
+/// The first is `None` if there are no more than `unknowns + 1` readings.
+///
+/// # Source
+/// Burnham and Anderson 2002, *Model Selection and Multimodel Inference*, §2.4; Schwarz 1978, DOI 10.1214/aos/1176344136.
+///
+/// ```
+/// use morpho_fit::uncertainty::goodness::information_criteria;
+/// let (aicc, bic) = information_criteria(10.0, 20, 3);
+/// assert_eq!(aicc, Some(10.0 + 6.0 + 24.0 / 16.0));
+/// assert!((bic - (10.0 + 3.0 * 20.0_f64.ln())).abs() < 1e-12);
+/// ```
+#[must_use]
+pub fn information_criteria(deviance: f64, readings: usize, unknowns: usize) -> (Option<f64>, f64) {
+    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+    let (n, k) = (readings as f64, unknowns as f64);
+    let room = n - k - 1.0;
+    ((room > 0.0).then(|| deviance + 2.0 * k + 2.0 * k * (k + 1.0) / room), deviance + k * n.ln())
+}
+
 /// Quantile of Student's t for the probability of the standard normal quantile `z`.
 ///
 /// # Source
@@ -49,7 +74,7 @@ pub fn student(z: f64, dof: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use approx::assert_abs_diff_eq;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
 
     #[test]
     fn quantiles_of_student_agree_with_the_tables() {
@@ -65,5 +90,14 @@ mod tests {
         for (dof, table) in [(3, 7.815), (10, 18.307), (30, 43.773), (100, 124.342)] {
             assert_abs_diff_eq!(excess(table, dof), 1.645, epsilon = 0.05);
         }
+    }
+
+    #[test]
+    fn criteria_are_those_of_the_closed_form() {
+        // Burnham and Anderson 2002, equation 2.11: 100 + 6 + 24/16.
+        let (aicc, bic) = information_criteria(100.0, 20, 3);
+        assert_relative_eq!(aicc.unwrap(), 107.5, max_relative = 1e-14);
+        assert_relative_eq!(bic, 100.0 + 3.0 * 20.0_f64.ln(), max_relative = 1e-14);
+        assert_eq!(information_criteria(100.0, 4, 3).0, None);
     }
 }

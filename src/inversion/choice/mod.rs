@@ -16,8 +16,9 @@ use crate::inversion::outcome::{Fit, FitOutcome, SigmaSource};
 use crate::inversion::parameter::{Parameter, Role};
 use crate::inversion::settings::FitSettings;
 use crate::inversion::undetermined::unit_of_residuals;
+use crate::uncertainty::goodness::information_criteria;
 use held_out::{Runs, deviances};
-use rule::{Score, criteria, judge};
+use rule::{Score, judge};
 use serde::{Deserialize, Serialize};
 use variants::{Variant, variants};
 
@@ -216,7 +217,7 @@ fn score(data: &Dataset, one: &Tried, runs: &Runs, overdispersion: f64) -> Resul
     let unknowns = readings.saturating_sub(one.fit.outcome.dof);
     // Without a stated sigma the scatter is one unknown more.
     let counted = unknowns + usize::from(!data.has_sigma());
-    let (aicc, bic) = criteria(one.deviance / overdispersion, readings, counted);
+    let (aicc, bic) = information_criteria(one.deviance / overdispersion, readings, counted);
     let converged = one.fit.outcome.termination.was_successful();
     Ok(Score { converged, unknowns, aicc, bic, held_out: deviances(&compiled, &one.fit, runs) })
 }

@@ -73,15 +73,6 @@ pub(crate) struct Judgement {
     pub(crate) held_out: Option<(f64, f64)>,
 }
 
-/// Akaike's corrected and Bayes's criterion for a deviance, `-2 log` of the likelihood; the first is `None` if there are no
-/// more than `unknowns + 1` readings.
-pub(crate) fn criteria(deviance: f64, readings: usize, unknowns: usize) -> (Option<f64>, f64) {
-    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
-    let (n, k) = (readings as f64, unknowns as f64);
-    let room = n - k - 1.0;
-    ((room > 0.0).then(|| deviance + 2.0 * k + 2.0 * k * (k + 1.0) / room), deviance + k * n.ln())
-}
-
 /// Sum of `left - right` and its standard error; the runs are independent of each other, the readings in one need not be.
 fn difference(left: &[f64], right: &[f64]) -> (f64, f64) {
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
@@ -150,15 +141,6 @@ mod tests {
 
     fn score(unknowns: usize, criterion: f64, held_out: &[f64]) -> Score {
         Score { converged: true, unknowns, aicc: Some(criterion), bic: criterion, held_out: Some(held_out.to_vec()) }
-    }
-
-    #[test]
-    fn criteria_are_those_of_the_closed_form() {
-        // Burnham and Anderson 2002, equation 2.11: 100 + 6 + 24/16.
-        let (aicc, bic) = criteria(100.0, 20, 3);
-        assert_relative_eq!(aicc.unwrap(), 107.5, max_relative = 1e-14);
-        assert_relative_eq!(bic, 100.0 + 3.0 * 20.0_f64.ln(), max_relative = 1e-14);
-        assert_eq!(criteria(100.0, 4, 3).0, None);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The posterior of a fit: what is believed of the parameters after the data, sampled.
 
 use crate::dataset::Dataset;
+use crate::inversion::atlas::laplace;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::fit::FitError;
 use crate::inversion::intervals::{IntervalPair, rivals, stretched};
@@ -13,7 +14,6 @@ use crate::inversion::space::Space;
 use crate::numerics::quantile::{NINETY_FIVE, SIXTY_EIGHT, central};
 use crate::optimise::{Bounds, BoundsError, Minimum};
 use crate::uncertainty::convergence::Convergence;
-use crate::uncertainty::covariance::regularised;
 use crate::uncertainty::posterior::{self as sampler, Mode, SamplerSettings, Stopped};
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, SeedableRng};
@@ -198,21 +198,17 @@ impl Seen {
     }
 }
 
-/// The normal approximation of the posterior about a minimum; the bounds count as a normal prior of their spread.
 fn mode(solution: &Solution, minimum: &Minimum) -> Option<Mode> {
-    let unit = solution.unit;
-    let covariance = regularised(&(&minimum.triangle / unit), &solution.searched.ranges)?;
-    let behind = (minimum.sum_of_squares() - solution.minima[0].sum_of_squares()) / (unit * unit);
-    let volume = covariance.clone().cholesky()?.l().diagonal().iter().map(|side| side.ln()).sum::<f64>();
-    Some(Mode { centre: minimum.parameters.clone(), covariance, log_weight: volume - 0.5 * behind })
+    let (covariance, log_weight) = laplace(minimum, &solution.minima[0], &solution.searched.ranges, solution.unit)?;
+    Some(Mode { centre: minimum.parameters.clone(), covariance, log_weight })
 }
 
 /// Share of the samples that are nearest to each minimum, in its own covariance.
 fn weights(solution: &Solution, samples: &DMatrix<f64>) -> Vec<f64> {
     let inverse: Vec<Option<(DVector<f64>, DMatrix<f64>)>> = (solution.minima.iter())
         .map(|minimum| {
-            let covariance = regularised(&(&minimum.triangle / solution.unit), &solution.searched.ranges)?;
-            Some((minimum.parameters.clone(), covariance.cholesky()?.inverse()))
+            let mode = mode(solution, minimum)?;
+            Some((mode.centre, mode.covariance.cholesky()?.inverse()))
         })
         .collect();
     let mut counts = vec![0.0; inverse.len()];
