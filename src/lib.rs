@@ -62,6 +62,7 @@ pub mod optics;
 pub mod optimise;
 pub mod plot;
 pub mod report;
+pub mod sweep;
 pub mod synthetic;
 pub mod uncertainty;
 pub mod units;

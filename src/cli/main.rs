@@ -13,6 +13,7 @@ mod output;
 mod progress;
 mod scans;
 mod settings_file;
+mod subject;
 mod values;
 
 use args::{Cli, Command, UncertaintyWord};
@@ -37,6 +38,7 @@ fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
         Some(Command::Bootstrap(args)) => commands::fit::run(&args, UncertaintyWord::Bootstrap),
         Some(Command::Sample(args)) => commands::fit::run(&args, UncertaintyWord::Sample),
         Some(Command::Check(args)) => commands::check::run(&args),
+        Some(Command::Curves(args)) => commands::curves::run(&args),
         Some(Command::Simulate(args)) => commands::simulate::run(&args, line),
     }
 }

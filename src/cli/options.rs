@@ -1,6 +1,8 @@
 //! From arguments to checked settings and data.
 
-use crate::args::{ModelArgs, ModelWord, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
+use crate::args::{
+    ModelArgs, ModelWord, NuisanceArgs, ParameterArgs, PresetWord, ProblemArgs, ReadingArgs, StructureArgs,
+};
 use crate::exit::{BadData, Usage};
 use crate::index_table::material;
 use crate::values::{Given, Index, nearest};
@@ -8,7 +10,7 @@ use crate::{output, values};
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Constants, Dataset, ReadOptions, read_csv};
 use morpho_fit::inversion::{FitSettings, ModelChoice, Nuisances, Parameter, Role, Search};
-use morpho_fit::optics::{Material, Stack};
+use morpho_fit::optics::{Material, Stack, Structure};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -188,6 +190,25 @@ pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
         return Err(Usage(format!("--layers {found}: the number of layers is from 1 to {most}")).into());
     }
     Ok(stack)
+}
+
+/// The preset that is named.
+pub(crate) fn preset(args: &StructureArgs) -> Structure {
+    match args.preset {
+        PresetWord::Blue => Structure::blue(),
+        PresetWord::Table1 => Structure::table1(),
+    }
+}
+
+/// `base` with what the flags say.
+pub(crate) fn structure(args: &StructureArgs, base: Structure) -> Structure {
+    Structure {
+        d_air: args.d_air.unwrap_or(base.d_air),
+        d_cuticle: args.d_cuticle.unwrap_or(base.d_cuticle),
+        delta: args.delta.map_or(base.delta, |degrees| Parameter::Delta.inside(degrees)),
+        phi_alpha: args.phi_alpha.unwrap_or(base.phi_alpha),
+        lamella_width: args.lamella_width.unwrap_or(base.lamella_width),
+    }
 }
 
 fn roles(settings: &mut FitSettings, args: &ParameterArgs) -> Result<(), Usage> {

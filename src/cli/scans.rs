@@ -17,6 +17,15 @@ pub(crate) struct ScanRequest {
     scan: Scan,
 }
 
+/// Values of one coordinate as they are written, in the users' unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Values(pub(crate) Vec<f64>);
+
+/// Single values and ranges, with `|` between them.
+pub(crate) fn values(text: &str) -> Result<Values, String> {
+    range(text).map(Values)
+}
+
 /// The scans with a name each.
 pub(crate) fn named(requests: &[ScanRequest]) -> Vec<Scan> {
     let only = requests.len() == 1;

@@ -62,7 +62,7 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// Degrees to nine decimals, as the reader's and writer's of data; adding 0 turns -0 into 0.
-fn angle(radians: f64) -> String {
+pub(super) fn angle(radians: f64) -> String {
     number((degrees(radians) * 1e9).round() / 1e9 + 0.0)
 }
 

@@ -3,10 +3,14 @@
 mod curves;
 mod json;
 mod samples;
+mod terms;
 
 pub use curves::curves_csv;
-pub use json::fit_json;
+pub use json::{fit_json, read_fit_json};
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
+pub use terms::terms_csv;
+
+use crate::inversion::SCHEMA;
 
 /// A result that could not be turned into bytes.
 #[derive(Debug, thiserror::Error)]
@@ -15,6 +19,15 @@ pub enum ExportError {
     /// The JSON writer failed.
     #[error("the result cannot be written as JSON")]
     Json(#[from] serde_json::Error),
+    /// A file that is no result of a fit.
+    #[error("this is no result of a fit: {0}")]
+    NotAFit(#[source] serde_json::Error),
+    /// A result of a fit in another schema.
+    #[error("the result has the schema `{found}`; this version reads `{SCHEMA}`: fit again")]
+    Schema {
+        /// The schema it names.
+        found: String,
+    },
     /// The CSV writer failed.
     #[error("the table cannot be written as CSV")]
     Csv(#[from] csv::Error),

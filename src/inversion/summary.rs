@@ -25,6 +25,9 @@ use crate::uncertainty::identifiability::Identifiability;
 const MISSED: f64 = 3.7;
 /// Neighbouring residuals that agree by this many standard deviations are no noise.
 const STRUCTURED: f64 = 5.0;
+/// A chi² above this for each degree of freedom is no noise that was stated too small, whatever the residuals look like:
+/// between samples 10 nm apart the narrow fringes of thick layers have no neighbours to agree with.
+const LOUD: f64 = 4.0;
 /// chi² for each degree of freedom below which the structure of residuals does not matter.
 const UNHEARD: f64 = 0.05;
 /// Scatter below this share of the largest reading is rounding.
@@ -70,8 +73,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let largest = found.data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
     let told = if found.data.has_sigma() { reduced > UNHEARD } else { unit > ROUNDING * largest };
     let tests = tests_by_curve(found, &readings);
-    // Residuals larger than stated that look like noise are noise: a factor mends it.
-    let noise = is_noise(&tests, reduced / (unit * unit));
+    // Residuals a little larger than stated that look like noise are noise: a factor mends it.
+    let noise = is_noise(&tests, reduced / (unit * unit)) && !(missed && reduced > LOUD);
     let structured = told && (correlation_of_residuals.deviations > STRUCTURED || !noise);
     let by_structure = if structured { correlation_of_residuals.widening() } else { 1.0 };
     let sigma_source = match (missed || structured, found.data.has_sigma()) {

@@ -3,11 +3,13 @@
 //! - [`panels`]: small multiples of measured points and model lines, which is what nearly every chart is.
 //! - [`fit`]: the charts of a fit, made of these; [`corner`], [`trace`], [`profile`] and [`atlas`]: those of what it
 //!   leaves open, from plain lists.
+//! - [`angular`]: curves of a known structure over angle and wavelength, cartesian and polar.
 //! - [`canvas`]: the sheet below them, for a chart that is not a grid of panels.
 //! - [`font`]: the embedded font and what it can write; [`palette`]: colours that colour-blind readers can tell apart.
 //!
 //! Nothing here writes files or reads the clock: a chart is a value ([`Picture`]), and equal input gives equal bytes.
 
+pub mod angular;
 pub mod atlas;
 pub mod canvas;
 mod check;
@@ -29,6 +31,6 @@ mod vector;
 pub use canvas::{Picture, picture};
 pub use error::PlotError;
 pub use panels::{
-    BarSeries, ColourMap, ColourScale, Figure, HeatMap, Label, LabelStyle, LineSeries, Panel, PointSeries,
+    BarSeries, ColourGrid, ColourMap, ColourScale, Figure, HeatMap, Label, LabelStyle, LineSeries, Panel, PointSeries,
     VerticalLine, draw,
 };

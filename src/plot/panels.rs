@@ -13,12 +13,14 @@ mod legend;
 mod mark_tests;
 mod marks;
 mod panel;
+mod polar;
 #[cfg(test)]
 mod tests;
 mod validate;
 
 pub(super) use axis::factor;
-pub use marks::{BarSeries, ColourMap, ColourScale, HeatMap, Label, LabelStyle, VerticalLine};
+pub use marks::{BarSeries, ColourGrid, ColourMap, ColourScale, HeatMap, Label, LabelStyle, VerticalLine};
+pub(super) use polar::ASPECT as POLAR_ASPECT;
 
 use super::PlotError;
 use super::canvas::{Picture, picture};
@@ -62,12 +64,17 @@ pub struct Panel {
     pub bands: Vec<(f64, f64)>,
     /// Values on a grid, as colours, behind everything else; there is no other grid then.
     pub heat: Option<HeatMap>,
+    /// Cells that show a colour itself, behind everything else; there is no grid then.
+    pub colours: Option<ColourGrid>,
     /// Histograms, behind points and lines.
     pub bars: Vec<BarSeries>,
     /// Lines from the bottom to the top, such as the ends of an interval.
     pub vertical_lines: Vec<VerticalLine>,
     /// Texts at points, above everything else.
     pub labels: Vec<Label>,
+    /// Rings and spokes about the origin instead of a frame with axes: for lines of `r sin φ` across and `r cos φ`
+    /// upwards, φ from -90° to 90°. The rings stand where the ticks of y would.
+    pub polar: bool,
     /// Leave the numbers at the ticks of x away, as between panels that share an axis.
     pub bare_x: bool,
     /// Leave the numbers at the ticks of y away.

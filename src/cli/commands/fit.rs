@@ -1,6 +1,7 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
 use crate::args::{FitArgs, ModelWord, OutputArgs, UncertaintyWord};
+use crate::commands::drawn;
 use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::exit::{Outcome, Usage};
 use crate::options::Problem;
@@ -12,9 +13,9 @@ use morpho_fit::export::{curves_csv, fit_json};
 use morpho_fit::inversion::{
     Ask, Fit, FitOutcome, Parameter, Search, SigmaSource, Status, Verdict, advise, chi_square_map, choose, fit,
 };
+use morpho_fit::plot::Figure;
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
-use morpho_fit::plot::{Figure, draw};
 use morpho_fit::report::{terminal, uncertainty, wording};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -149,16 +150,6 @@ fn figures(data: &Dataset, fit: &Fit, title: &str) -> Result<Vec<(&'static str, 
         figures.push(("atlas", map_figure(&map, &fit.outcome, title)?));
     }
     Ok(figures)
-}
-
-/// Each figure as SVG and PNG.
-fn drawn(figures: Vec<(&'static str, Figure)>) -> Result<Vec<(String, Vec<u8>)>> {
-    let mut files = Vec::new();
-    for (name, figure) in figures {
-        let picture = draw(&figure)?;
-        files.extend([(format!("{name}.svg"), picture.svg.into_bytes()), (format!("{name}.png"), picture.png)]);
-    }
-    Ok(files)
 }
 
 fn outcome(found: &FitOutcome) -> Outcome {

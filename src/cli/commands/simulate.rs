@@ -1,6 +1,6 @@
 //! `morpho-fit simulate`: a measurement from known parameters, with the command that makes it again in its head.
 
-use crate::args::{PresetWord, SimulateArgs};
+use crate::args::SimulateArgs;
 use crate::exit::{Outcome, Usage};
 use crate::{options, output, scans};
 use anyhow::Result;
@@ -13,7 +13,7 @@ use std::ffi::OsString;
 pub(crate) fn run(args: &SimulateArgs, line: &[OsString]) -> Result<Outcome> {
     options::one_model(&args.model)?;
     let measurement = &args.measurement;
-    let structure = structure(args);
+    let structure = options::structure(&args.structure, options::preset(&args.structure));
     let model = options::model(&args.model)?.build(options::stack(&args.model)?);
     let scans = match measurement.scan.as_slice() {
         [] => Scan::full_design(model.as_ref(), &structure)?,
@@ -36,20 +36,6 @@ pub(crate) fn run(args: &SimulateArgs, line: &[OsString]) -> Result<Outcome> {
         None => output::print(&bytes)?,
     }
     Ok(Outcome::Done)
-}
-
-fn structure(args: &SimulateArgs) -> Structure {
-    let preset = match args.preset {
-        PresetWord::Blue => Structure::blue(),
-        PresetWord::Table1 => Structure::table1(),
-    };
-    Structure {
-        d_air: args.d_air.unwrap_or(preset.d_air),
-        d_cuticle: args.d_cuticle.unwrap_or(preset.d_cuticle),
-        delta: args.delta.map_or(preset.delta, |degrees| Parameter::Delta.inside(degrees)),
-        phi_alpha: args.phi_alpha.unwrap_or(preset.phi_alpha),
-        lamella_width: args.lamella_width.unwrap_or(preset.lamella_width),
-    }
 }
 
 /// What a reader of the file must know: that it is not measured, what is in it, and how to make it again.

@@ -108,6 +108,11 @@ impl Axis {
         ((value - self.low) / (self.high - self.low)).clamp(-1e6, 1e6)
     }
 
+    /// The values at both ends.
+    pub(super) fn ends(&self) -> (f64, f64) {
+        (self.low, self.high)
+    }
+
     /// True if the value lies on the axis.
     pub(super) fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)

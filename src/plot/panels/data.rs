@@ -7,6 +7,7 @@ use super::super::palette::{BAND, GRID, SOFT_INK, colour, tint};
 use super::axis::{Axis, is_drawable, range_of, widened};
 use super::heat;
 use super::panel::Place;
+use super::polar;
 use super::{BarSeries, LineSeries, Panel, PointSeries, VerticalLine};
 
 /// Air around the data, as parts of their range.
@@ -75,9 +76,11 @@ pub(super) fn ranges(panel: &Panel) -> Option<((f64, f64), (f64, f64))> {
         }
     }
     drawable.extend(panel.labels.iter().map(|label| (label.x, label.y, 0.0)));
-    let heat = panel.heat.as_ref().and_then(|heat| {
-        drawable.extend(heat.x_edges.iter().zip(&heat.y_edges).map(|(&x, &y)| (x, y, 0.0)));
-        Some((range_of(heat.x_edges.iter().copied(), 0.0)?, range_of(heat.y_edges.iter().copied(), 0.0)?))
+    let heat = panel.heat.as_ref().map(|heat| (&heat.x_edges, &heat.y_edges));
+    let edges = heat.or(panel.colours.as_ref().map(|grid| (&grid.x_edges, &grid.y_edges)));
+    let heat = edges.and_then(|(x_edges, y_edges)| {
+        drawable.extend(x_edges.iter().zip(y_edges).map(|(&x, &y)| (x, y, 0.0)));
+        Some((range_of(x_edges.iter().copied(), 0.0)?, range_of(y_edges.iter().copied(), 0.0)?))
     });
     drawable.retain(|&(x, y, _)| is_drawable(x) && is_drawable(y));
     let upright = panel.vertical_lines.iter().map(|line| line.x);
@@ -92,6 +95,10 @@ pub(super) fn ranges(panel: &Panel) -> Option<((f64, f64), (f64, f64))> {
         .or(heat.map(|(_, y)| y))
         .or_else(|| range_of(heights.iter().copied(), AIR_Y))
         .unwrap_or((0.0, 1.0));
+    if panel.polar {
+        let radius = drawable.iter().map(|&(x, y, _)| x.hypot(y)).fold(0.0, f64::max);
+        return (radius > 0.0).then(|| polar::ranges(radius));
+    }
     // Bars stand on the axis, without air below.
     let standing = !panel.bars.is_empty() && !heights.iter().any(|&height| height < 0.0);
     if standing && requested(panel.y_range).is_none() && y.1 > 0.0 {
@@ -122,6 +129,10 @@ impl Plot<'_> {
         }
         if let Some(heat) = &panel.heat {
             heat::paint(canvas, self, heat);
+        } else if let Some(grid) = &panel.colours {
+            heat::paint_colours(canvas, self, grid);
+        } else if panel.polar {
+            polar::grid(canvas, self);
         } else {
             self.grid(canvas);
         }

@@ -59,6 +59,21 @@ impl HeatMap {
     }
 }
 
+/// Colours on a grid of cells. It fills the panel from edge to edge unless a range is requested.
+///
+/// # Shape
+/// `x_edges: [columns + 1]`, `y_edges: [rows + 1]`, `colours: [rows * columns]`, row by row, the row of the lowest y
+/// first.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ColourGrid {
+    /// Ends of the columns, finite and ascending.
+    pub x_edges: Vec<f64>,
+    /// Ends of the rows, likewise.
+    pub y_edges: Vec<f64>,
+    /// Encoded red, green and blue of each cell; a cell without a colour is left empty.
+    pub colours: Vec<Option<[u8; 3]>>,
+}
+
 /// Bars that stand on zero, side by side, as in a histogram. A bar whose height is not finite is left out.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BarSeries {

@@ -9,6 +9,7 @@ use super::colours::ColourBar;
 use super::data::{Plot, ranges};
 use super::labels;
 use super::layout::{LEADING, Paragraph, lettering};
+use super::polar;
 
 const TITLE_EM: f64 = 15.0;
 pub(super) const LABEL_EM: f64 = 14.0;
@@ -64,7 +65,7 @@ impl<'a> Measured<'a> {
         let upwards = Lettering { anchor: Anchor::Middle, upwards: true, ..lettering(LABEL_EM, false, INK) };
         let ranges = ranges(panel).filter(|_| !panel.blank);
         let mut y_tick_width: f64 = 0.0;
-        if let Some((_, (low, high))) = ranges.filter(|_| !panel.bare_y) {
+        if let Some((_, (low, high))) = ranges.filter(|_| !panel.bare_y && !panel.polar) {
             for tick in Axis::new(low, high, y_intervals(plot_height)).ticks {
                 y_tick_width = y_tick_width.max(font::width(&tick.label, TICK_EM, false)?);
             }
@@ -147,7 +148,7 @@ impl<'a> Measured<'a> {
     }
 
     fn footer_of_ticks(&self) -> f64 {
-        let bare = self.panel.bare_x || self.panel.blank;
+        let bare = self.panel.bare_x || self.panel.blank || self.panel.polar;
         TICK_LENGTH + if bare { 0.0 } else { TICK_GAP + TICK_EM * LEADING }
     }
 
@@ -161,7 +162,11 @@ impl<'a> Measured<'a> {
         let under_ticks = bottom + self.footer_of_ticks();
         if let Some((x, y)) = &self.axes {
             Plot { place, x, y }.paint(canvas, self.panel);
-            ticks(canvas, place, x, y);
+            if self.panel.polar {
+                polar::numbers(canvas, &Plot { place, x, y });
+            } else {
+                ticks(canvas, place, x, y);
+            }
             let factor = lettering(TICK_EM, false, SOFT_INK);
             canvas.text((left, top - TITLE_GAP), &y.factor, factor);
             let factor = Lettering { anchor: Anchor::End, ..factor };
@@ -173,8 +178,10 @@ impl<'a> Measured<'a> {
             let remark = Lettering { anchor: Anchor::Middle, ..lettering(LABEL_EM, false, SOFT_INK) };
             canvas.text((across, down), "no finite values", remark);
         }
-        canvas.polyline(&[(left, top), (left, bottom)], AXIS_STROKE);
-        canvas.polyline(&[(left, bottom), (right, bottom)], AXIS_STROKE);
+        if !self.panel.polar {
+            canvas.polyline(&[(left, top), (left, bottom)], AXIS_STROKE);
+            canvas.polyline(&[(left, bottom), (right, bottom)], AXIS_STROKE);
+        }
         if let Some(bar) = &self.colour_bar {
             bar.paint(canvas, place, TITLE_GAP);
         }

@@ -57,7 +57,12 @@ fn panel(panel: &Panel) -> Result<(), PlotError> {
         return Err(PlotError::BadgeLength { panel, text, most: BADGE_LENGTH });
     }
     panel.bars.iter().try_for_each(|series| bars(&panel.title, series))?;
-    panel.heat.iter().try_for_each(|map| heat(&panel.title, map))
+    panel.heat.iter().try_for_each(|map| heat(&panel.title, map))?;
+    panel.colours.iter().try_for_each(|grid| {
+        edges(&panel.title, "colours", &grid.x_edges)?;
+        edges(&panel.title, "colours", &grid.y_edges)?;
+        cells(&panel.title, "colours", (grid.x_edges.len() - 1) * (grid.y_edges.len() - 1), grid.colours.len())
+    })
 }
 
 fn bars(panel: &str, bars: &BarSeries) -> Result<(), PlotError> {

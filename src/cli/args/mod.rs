@@ -1,0 +1,129 @@
+//! The command line as clap reads it. Help texts are sentences with units and defaults.
+#![allow(clippy::doc_markdown, reason = "the comments are help texts, which a terminal shows as they are")]
+
+mod drawing;
+mod measurement;
+mod problem;
+mod structure;
+mod subject;
+mod words;
+
+pub(crate) use drawing::{CurveArgs, CurvesArgs};
+pub(crate) use measurement::SimulateArgs;
+pub(crate) use problem::{LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
+pub(crate) use structure::StructureArgs;
+pub(crate) use subject::SubjectArgs;
+pub(crate) use words::{
+    AdmittanceWord, ExtentWord, LossWord, ModelWord, PolarizationWord, PresetWord, SnellWord, UncertaintyWord, WideWord,
+};
+
+use crate::values;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Fits layer thicknesses to the angular reflectivity of structurally coloured surfaces.
+///
+/// `morpho-fit DATA.csv` finds the air gap d_air, the cuticle thickness d_cuticle, the tilt delta, the lobe half-width
+/// phi_alpha and the lamella width a; says how sure each is and what the data cannot tell; and writes fit.json,
+/// curves.csv and plots to fits/<name of the data>/.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    name = "morpho-fit",
+    max_term_width = 100,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    arg_required_else_help = true,
+    after_help = EXIT_CODES
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+    #[command(flatten)]
+    pub(crate) fit: FitArgs,
+}
+
+const EXIT_CODES: &str = "\
+Parameters and units: d_air nm, d_cuticle nm, delta deg, phi_alpha rad, lamella_width (or a) nm.
+
+Exit codes: 0 done, 1 could not read or write, 2 usage, 3 bad data, 4 not converged, 5 converged but something \
+required, or every thickness, is not identifiable.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Fit a measurement; the word may be left out.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Fit(FitArgs),
+    /// Fit, and find asymmetric intervals by profile likelihood: profile.csv, profile.svg.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Profile(FitArgs),
+    /// Fit, and find intervals by the bootstrap of residuals and of readings: bootstrap.csv.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Bootstrap(FitArgs),
+    /// Fit, and sample the posterior by Markov chain Monte Carlo: posterior.csv, corner.svg, trace.svg.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Sample(FitArgs),
+    /// Validate a CSV file and tell what its design of measurement can identify, before fitting.
+    #[command(args_override_self = true)]
+    Check(CheckArgs),
+    /// Draw intensity over the viewing angle for several wavelengths, cartesian and polar, and spectra at several angles:
+    /// angular.svg, polar.svg, spectra.svg, model.csv.
+    #[command(args_override_self = true)]
+    Curves(CurvesArgs),
+    /// Write a CSV file as if it were measured, from known parameters, design and noise.
+    #[command(args_override_self = true)]
+    Simulate(SimulateArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct FitArgs {
+    #[command(flatten)]
+    pub(crate) problem: ProblemArgs,
+    #[command(flatten)]
+    pub(crate) uncertainty: UncertaintyArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Intervals beside the covariance's")]
+pub(crate) struct UncertaintyArgs {
+    /// Find intervals by these methods too, and say where they part: `profile`, `bootstrap`, `sample` or `all`.
+    #[arg(long, value_name = "WORDS", value_delimiter = ',')]
+    pub(crate) uncertainty: Vec<UncertaintyWord>,
+    /// Data sets that each bootstrap fits.
+    #[arg(long, value_name = "COUNT", default_value_t = 1000, value_parser = values::count)]
+    pub(crate) replicates: usize,
+    /// Effective samples of the posterior that are wanted for every parameter.
+    #[arg(long, value_name = "COUNT", default_value_t = 4000, value_parser = values::count)]
+    pub(crate) effective: usize,
+    /// Evaluations of the model after which sampling ends even if it has not converged.
+    #[arg(long, value_name = "COUNT", default_value_t = 400_000, value_parser = values::count)]
+    pub(crate) max_evaluations: usize,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct OutputArgs {
+    /// Folder of the results, made if it is missing [default: fits/<name of the data>].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print fit.json instead of the report.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print no report and no progress.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+    /// Draw no plots.
+    #[arg(long)]
+    pub(crate) no_plots: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    #[command(flatten)]
+    pub(crate) problem: ProblemArgs,
+    /// Print the findings as JSON.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,117 @@
+//! Words of the command line, each with its library value.
+
+use clap::ValueEnum;
+use morpho_fit::dataset::WideHeading;
+use morpho_fit::geometry::Polarization;
+use morpho_fit::inversion::Extent;
+use morpho_fit::optics::{Admittance, Snell};
+use morpho_fit::optimise::Loss;
+
+/// An enumeration of words on the command line, each with its library value.
+macro_rules! words {
+    ($name:ident => $target:ty { $($(#[$doc:meta])* $variant:ident => $value:expr,)+ }) => {
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+        pub(crate) enum $name { $($(#[$doc])* $variant,)+ }
+
+        impl $name {
+            pub(crate) fn value(self) -> $target {
+                match self { $(Self::$variant => $value,)+ }
+            }
+        }
+    };
+}
+
+words!(PolarizationWord => Polarization {
+    /// Electric field across the plane of incidence.
+    S => Polarization::S,
+    /// Electric field in the plane of incidence.
+    P => Polarization::P,
+    /// The mean of both.
+    Unpolarized => Polarization::Unpolarized,
+});
+
+words!(WideWord => WideHeading {
+    /// Headings are incidence angles in degrees.
+    Theta => WideHeading::Theta,
+    /// Headings are viewing angles in degrees.
+    Phi => WideHeading::Phi,
+    /// Headings are names of records.
+    Curve => WideHeading::Curve,
+});
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ModelWord {
+    /// The paper's structure with its physics put right.
+    Blend,
+    /// The printed formulas.
+    Paper,
+    /// For a fit: the smallest variant of `blend` that does not lose, of lamellae or multilayer or both, delta 0 or free,
+    /// without a background or with one. What is fixed stays fixed.
+    Auto,
+}
+
+words!(SnellWord => Snell {
+    /// Light bends towards the normal in the denser medium.
+    Right => Snell::Right,
+    /// As printed: no solution beyond 39.87 degrees for an index of 1.56.
+    Printed => Snell::Printed,
+});
+
+words!(AdmittanceWord => Admittance {
+    /// As printed: one mean admittance.
+    Mean => Admittance::Mean,
+    /// Each polarization by itself, which is exact.
+    PerPolarization => Admittance::PerPolarization,
+});
+
+words!(ExtentWord => Extent {
+    /// Not fitted.
+    None => Extent::None,
+    /// One for all curves.
+    Shared => Extent::Shared,
+    /// One for each curve.
+    PerCurve => Extent::PerCurve,
+});
+
+words!(LossWord => Loss {
+    /// Least squares.
+    Linear => Loss::Linear,
+    /// Squares near the model, absolute values far from it, joined smoothly.
+    SoftL1 => Loss::SoftL1,
+    /// Squares up to one standard deviation, absolute values beyond.
+    Huber => Loss::Huber,
+    /// The logarithm: readings far away hardly count.
+    Cauchy => Loss::Cauchy,
+});
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PresetWord {
+    /// A blue Morpho: air 141 nm, cuticle 62 nm.
+    Blue,
+    /// Table 1 of the paper: air 135 nm, cuticle 100 nm.
+    Table1,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UncertaintyWord {
+    /// Curvature at the minimum, which every fit has.
+    Covariance,
+    /// Profile likelihood.
+    Profile,
+    /// Bootstrap of residuals, and of readings.
+    Bootstrap,
+    /// Markov chain Monte Carlo.
+    Sample,
+    /// All of them.
+    All,
+}
+
+impl PresetWord {
+    /// The word itself.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Blue => "blue",
+            Self::Table1 => "table1",
+        }
+    }
+}

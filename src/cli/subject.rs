@@ -1,0 +1,92 @@
+//! What the drawing commands draw: the structure of a fit with its stack and model, or a known one.
+
+use crate::args::{LAYERS, ModelWord, SubjectArgs};
+use crate::exit::{BadData, Usage};
+use crate::{options, output};
+use anyhow::{Context, Result};
+use morpho_fit::export::read_fit_json;
+use morpho_fit::inversion::Parameter;
+use morpho_fit::inversion::{FitOutcome, structure};
+use morpho_fit::optics::{ReflectivityModel, Structure};
+use std::path::{Path, PathBuf};
+
+/// The structure with everything that is needed to draw it.
+#[derive(Debug)]
+pub(crate) struct Subject {
+    /// Title of the charts.
+    pub(crate) name: String,
+    /// Folder of the charts unless another is named.
+    pub(crate) folder: PathBuf,
+    pub(crate) structure: Structure,
+    pub(crate) model: Box<dyn ReflectivityModel>,
+    /// The fit that it comes from.
+    pub(crate) fit: Option<FitOutcome>,
+}
+
+impl Subject {
+    pub(crate) fn read(args: &SubjectArgs) -> Result<Self> {
+        options::one_model(&args.model)?;
+        let Some(path) = &args.fit else {
+            let structure = options::structure(&args.structure, options::preset(&args.structure));
+            let model = options::model(&args.model)?.build(options::stack(&args.model)?);
+            let name = args.structure.preset.name();
+            let folder = Path::new("fits").join(name);
+            return Ok(Self { name: format!("preset {name}"), folder, structure, model, fit: None });
+        };
+        if let Some(flag) = of_the_model(args) {
+            return Err(Usage(format!("{flag} is in the fit already, with the rest of its model; leave it out")).into());
+        }
+        let file = if path.is_dir() { path.join("fit.json") } else { path.clone() };
+        let bytes = output::read(&file)?;
+        let outcome = read_fit_json(&bytes).map_err(|error| BadData(format!("{}: {error}", file.display())))?;
+        let Some(best) = outcome.minima.first() else {
+            return Err(BadData(format!("{}: the fit has no minimum", file.display())).into());
+        };
+        let mut values = best.values;
+        for (value, parameter) in values.iter_mut().zip(Parameter::ALL) {
+            *value = parameter.inside(*value);
+        }
+        let model = outcome.settings.model.build(outcome.settings.stack.clone());
+        let folder = file.parent().map(Path::to_owned).unwrap_or_default();
+        let name = file.parent().and_then(Path::file_name).map_or("fit".into(), |name| name.to_string_lossy());
+        let structure = options::structure(&args.structure, structure(&values));
+        structure.validate().with_context(|| file.display().to_string())?;
+        Ok(Self { name: format!("fit {name}"), folder, structure, model, fit: Some(outcome) })
+    }
+
+    /// The five values in one line.
+    pub(crate) fn values(&self) -> String {
+        let values = morpho_fit::inversion::values(&self.structure);
+        let one = |parameter: Parameter| {
+            let value = parameter.outside(values[parameter.index()]);
+            let digits = if matches!(parameter, Parameter::PhiAlpha) { 3 } else { 1 };
+            format!("{parameter} {value:.digits$} {}", parameter.unit())
+        };
+        let mut text = Parameter::ALL.map(one).join(", ");
+        let open: Vec<&str> = (self.fit.iter().flat_map(|fit| fit.parameters.each()))
+            .filter(|(_, estimate)| estimate.value.is_none())
+            .map(|(name, _)| name)
+            .collect();
+        if !open.is_empty() {
+            text.push_str(&format!(" ({} not determined by the fit: as it ended)", open.join(", ")));
+        }
+        text
+    }
+}
+
+/// The first flag of the model that is given.
+fn of_the_model(args: &SubjectArgs) -> Option<&'static str> {
+    let model = &args.model;
+    let given = [
+        ("--model", model.model != ModelWord::Blend),
+        ("--snell", model.snell.is_some()),
+        ("--admittance", model.admittance.is_some()),
+        ("--lamella-unit", model.lamella_unit.is_some()),
+        ("--layers", model.layers != LAYERS),
+        ("--n-cuticle", model.n_cuticle.is_some()),
+        ("--n-gap", model.n_gap.is_some()),
+        ("--n-base", model.n_base.is_some()),
+        ("--n-ambient", model.n_ambient.is_some()),
+    ];
+    given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+}
