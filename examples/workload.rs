@@ -297,17 +297,18 @@ pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
     if let Ok(path) = std::env::var("MORPHO_OUT") {
         std::fs::write(path, found.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
     }
-    let mut worst = 0.0_f64;
+    let (mut worst, mut checked) = (0.0_f64, 0);
     for check in workload["checks"].as_array().ok_or("no checks")? {
         if check["step_nm"].as_f64() == Some(grid.step()) {
             let at = check["i"].as_u64().ok_or("no index")? as usize;
             for (channel, known) in found[at].iter().zip(numbers(&check["sRGB"])?) {
                 worst = worst.max((channel - known).abs());
             }
+            checked += 1;
         }
     }
     Ok(json!({
         "seconds": seconds, "cpu_seconds": seconds, "spectra": count, "spectra_per_second": count as f64 / seconds,
-        "worst_check": worst,
+        "worst_check": worst, "checked": checked,
     }))
 }
