@@ -7,6 +7,7 @@
 //! The environment names the definition file (data files stand beside it), the variant, and `MORPHO_OUT` for arrays. One
 //! JSON line is printed, with the seconds of the work alone.
 
+use morpho_fit::colorimetry::{Illuminant, Integration, Observer, RgbSpace, RgbTransform};
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::{Geometry, Polarization};
 use morpho_fit::inversion::intervals::{PosteriorSettings, posterior};
@@ -15,16 +16,18 @@ use morpho_fit::inversion::{
 };
 use morpho_fit::optics::multilayer::{Period, reflectivity};
 use morpho_fit::optics::{Admittance, LamellaUnit, Material, Snell, Stack, Structure};
+use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::units::radians;
 use serde_json::{Value, json};
 use std::error::Error;
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> Result<()> {
-    let name = std::env::args().nth(1).ok_or("which workload? w1, w2, w3, w3b, w4 or w5")?;
+    let name = std::env::args().nth(1).ok_or("which workload? w1, w2, w3, w3b, w4, w5 or w6")?;
     let definition = PathBuf::from(std::env::var("MORPHO_WORKLOAD")?);
     let variant = std::env::var("MORPHO_VARIANT").unwrap_or_default();
     let workload: Value = serde_json::from_str(&std::fs::read_to_string(&definition)?)?;
@@ -35,6 +38,7 @@ fn main() -> Result<()> {
         "w3" | "w3b" => global_fits(&workload, folder, name == "w3b")?,
         "w4" => posterior_of_w2(&workload, folder)?,
         "w5" => pixels(&workload, folder, &variant)?,
+        "w6" => colours(&workload, &variant)?,
         other => return Err(format!("this program has no workload {other} yet").into()),
     };
     println!("{line}");
@@ -264,4 +268,47 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
     });
     let chi2_max = found.iter().map(|outcome| outcome.chi2 / outcome.dof as f64).fold(0.0, f64::max);
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "right": right.count(), "largest_reduced_chi2": chi2_max }))
+}
+
+/// W6: the spectra at a step of `variant` nm, to encoded sRGB.
+pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
+    let grid = Wavelengths::new(380.0, 740.0, variant.parse()?)?;
+    let count = workload["n_spectra"].as_u64().ok_or("no count")? as usize;
+    let mut reflectances = Vec::with_capacity(count * grid.len());
+    for spectrum in 0..count {
+        let i = spectrum as f64;
+        let period = 80.0 + 400.0 * (0.618_033_988_749_894_9 * i).fract();
+        let phase = TAU * (0.754_877_666_246_692_7 * i).fract();
+        reflectances
+            .extend(grid.iter().map(|wavelength| 0.5 + 0.45 * (TAU * (wavelength - 380.0) / period + phase).sin()));
+    }
+    let integration = Integration::new(&grid, Observer::Cie1931, &Illuminant::D65)?;
+    let transform = RgbTransform::new(RgbSpace::Srgb);
+    // The median of several runs after the first: a first run pays for cold memory.
+    let mut found = integration.encoded_of_many(&reflectances, &transform)?;
+    let mut times = Vec::new();
+    for _ in 0..25 {
+        let clock = Instant::now();
+        found = integration.encoded_of_many(&reflectances, &transform)?;
+        times.push(clock.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    let seconds = times[times.len() / 2];
+    if let Ok(path) = std::env::var("MORPHO_OUT") {
+        std::fs::write(path, found.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
+    }
+    let (mut worst, mut checked) = (0.0_f64, 0);
+    for check in workload["checks"].as_array().ok_or("no checks")? {
+        if check["step_nm"].as_f64() == Some(grid.step()) {
+            let at = check["i"].as_u64().ok_or("no index")? as usize;
+            for (channel, known) in found[at].iter().zip(numbers(&check["sRGB"])?) {
+                worst = worst.max((channel - known).abs());
+            }
+            checked += 1;
+        }
+    }
+    Ok(json!({
+        "seconds": seconds, "cpu_seconds": seconds, "spectra": count, "spectra_per_second": count as f64 / seconds,
+        "worst_check": worst, "checked": checked,
+    }))
 }

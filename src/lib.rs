@@ -46,13 +46,14 @@
 //! structures*, as printed and put right; any stack `ambient | (cuticle, gap) × layers | base`; the fit. Out: full-wave
 //! simulation, rough or random structures, pigment, and colour of anything that is not a layer.
 //!
-//! Imports run downwards: `units`, `numerics` · `geometry` · `optics`, `dataset`, `optimise` · `uncertainty`,
-//! `synthetic` · `inversion` · `plot`, `export` · `report`. Only the program touches files, terminal and clock.
+//! Imports run downwards: `units`, `numerics` · `geometry`, `spectrum` · `optics`, `colorimetry`, `dataset`, `optimise` ·
+//! `uncertainty`, `synthetic` · `inversion` · `plot`, `export` · `report`. Only the program touches files, terminal and clock.
 #![cfg_attr(
     not(test),
     warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, clippy::print_stderr)
 )]
 
+pub mod colorimetry;
 pub mod dataset;
 pub mod export;
 pub mod geometry;
@@ -63,6 +64,7 @@ pub mod optimise;
 pub mod plot;
 pub mod report;
 pub mod sweep;
+pub mod spectrum;
 pub mod synthetic;
 pub mod uncertainty;
 pub mod units;

@@ -1,9 +1,13 @@
 //! Real spectra, fitted from the command line: a diamond film over an air gap on glass (`Nanochannels_2026`, MIT), six records.
+//! And reference colours of simple spectra.
 //!
 //! The data are not shipped: `MORPHO_MEASURED` names their folder.
 
 use assert_cmd::Command;
+use morpho_fit::colorimetry::{Illuminant, Integration, Lab, Observer, RgbSpace, RgbTransform};
 use morpho_fit::inversion::FitOutcome;
+use morpho_fit::spectrum::Wavelengths;
+use std::f64::consts::LN_2;
 
 fn film(column: &str) -> FitOutcome {
     let folder = std::env::var("MORPHO_MEASURED").expect("MORPHO_MEASURED is not set");
@@ -46,4 +50,41 @@ fn gap_and_film_are_found_with_errors_that_admit_the_misfit() {
         let gap = closed.parameters.d_air.value.unwrap();
         assert!(gap < 5.0, "replicate {replicate}: {gap}");
     }
+}
+
+/// Sums over 380 to 700 nm by 1 nm in D65, a white of Y = 100; sRGB neither adapted nor clipped.
+#[test]
+#[ignore = "reference data that are not shipped: scripts/test runs it where MORPHO_MEASURED names their folder"]
+fn simple_spectra_have_their_reference_colours() {
+    let folder = std::env::var("MORPHO_MEASURED").expect("MORPHO_MEASURED is not set");
+    let grid = Wavelengths::new(380.0, 700.0, 1.0).unwrap();
+    let integration = Integration::new(&grid, Observer::Cie1931, &Illuminant::D65).unwrap();
+    let peak = |wavelength: f64, centre: f64, width: f64| (-4.0 * LN_2 * ((wavelength - centre) / width).powi(2)).exp();
+    let mut rows = csv::Reader::from_path(format!("{folder}/colour_reference_simple_spectra.csv")).unwrap();
+    let mut count = 0;
+    for row in rows.records().map(Result::unwrap) {
+        let reflectance = |wavelength: f64| match &row[0] {
+            "flat_1.0" => 1.0,
+            "flat_0.18" => 0.18,
+            "gauss_blue_460_fwhm60" => peak(wavelength, 460.0, 60.0),
+            "gauss_green_530_fwhm40" => peak(wavelength, 530.0, 40.0),
+            "step_below_500" => f64::from(u8::from(wavelength < 500.0)),
+            "ramp_0_to_1" => (wavelength - 380.0) / 320.0,
+            other => panic!("no spectrum {other}"),
+        };
+        let colour = integration.xyz(&grid.iter().map(reflectance).collect::<Vec<f64>>()).unwrap();
+        let lab = Lab::new(colour, integration.white()).unwrap();
+        let at = colour.chromaticity().unwrap();
+        let [red, green, blue] = RgbTransform::new(RgbSpace::Srgb).encoded(colour).unwrap();
+        let [x, y, z] = colour.to_array().map(|value| 100.0 * value);
+        let found = [x, y, z, at.x, at.y, lab.l, lab.a, lab.b, red, green, blue];
+        // XYZ and chromaticity are printed to 1e-6, CIELAB to 1e-4, sRGB to 1e-5.
+        let digits = [1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-4, 1e-4, 1e-4, 1e-5, 1e-5, 1e-5];
+        for (column, (found, digit)) in found.into_iter().zip(digits).enumerate() {
+            let printed: f64 = row[column + 1].parse().unwrap();
+            assert!((found - printed).abs() < 0.6 * digit, "{} column {column}: {found} for {printed}", &row[0]);
+        }
+        count += 1;
+    }
+    assert_eq!(count, 6);
 }

@@ -1,6 +1,6 @@
 //! The fixed workloads, whose data and answers another program made: every fit reaches the known chi².
 //!
-//! W3 has 600 kB of data: its test runs where `MORPHO_WORKLOADS` names the folder of the definitions.
+//! W3 has 600 kB of data, W6 is kept with it: their tests run where `MORPHO_WORKLOADS` names the folder of the definitions.
 
 #[path = "../examples/workload.rs"]
 #[allow(dead_code, reason = "the example's main is not called")]
@@ -78,4 +78,15 @@ fn w5_fits_all_of_1000_pixels() {
     assert_eq!(found["right"], 1000);
     // 2289 degrees of freedom: five standard deviations.
     assert!(found["largest_reduced_chi2"].as_f64().unwrap() < 1.15, "{}", found["largest_reduced_chi2"]);
+}
+
+#[test]
+#[ignore = "scripts/test runs it where MORPHO_WORKLOADS names the folder of the definitions"]
+fn w6_has_the_colours_of_the_definition() {
+    let folder = PathBuf::from(std::env::var_os("MORPHO_WORKLOADS").expect("MORPHO_WORKLOADS is not set"));
+    for step in ["1", "10"] {
+        let found = workload::colours(&definition(&folder, "w6.json"), step).unwrap();
+        assert!(found["worst_check"].as_f64().unwrap() < 1e-6, "{step} nm: {found}");
+        assert_eq!(found["checked"], 6);
+    }
 }
