@@ -6,7 +6,7 @@ use super::profile::{Profile, ProfileQuantity, profile_figure};
 use super::trace::{Trace, TraceQuantity, trace_figure};
 use super::{Figure, PlotError};
 use crate::inversion::intervals::{Posterior, Profiles};
-use crate::inversion::{ChiSquareMap, FitOutcome, MinimumFound, Parameter};
+use crate::inversion::{ChiSquareMap, FitOutcome, MinimumFound, Parameter, Parameters};
 
 /// Minima that a map names.
 const NAMED: usize = 12;
@@ -99,15 +99,20 @@ pub fn posterior_trace(posterior: &Posterior, title: &str) -> Result<Figure, Plo
 /// Those of [`atlas_figure`].
 pub fn map_figure(map: &ChiSquareMap, outcome: &FitOutcome, title: &str) -> Result<Figure, PlotError> {
     let middles = |edges: &[f64]| edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let Parameters { d_air, d_cuticle, .. } = &outcome.parameters;
+    let told = d_air.value.is_some() || d_cuticle.value.is_some();
     let minimum = |(place, minimum): (usize, &MinimumFound)| {
         let [d_air, d_cuticle, ..] = minimum.values;
         let words = minimum.relation.phrase();
         let fits = if minimum.fits { "" } else { ", does not fit" };
-        let label = if place == 0 {
+        let label = if place == 0 && !told {
+            "the lowest point found; the data tell neither thickness".to_owned()
+        } else if place == 0 {
             format!("{d_air:.1} and {d_cuticle:.1} nm: the best")
         } else {
             let decimals = usize::from(minimum.delta_chi2 < 100.0);
-            format!("{d_air:.1} and {d_cuticle:.1} nm, Δχ² = {:.decimals$}: {words}{fits}", minimum.delta_chi2)
+            let place = if told { format!("{d_air:.1} and {d_cuticle:.1} nm, ") } else { String::new() };
+            format!("{place}Δχ² = {:.decimals$}: {words}{fits}", minimum.delta_chi2)
         };
         Minimum { x: d_air, y: d_cuticle, label, best: place == 0 }
     };

@@ -1,37 +1,39 @@
 //! The table of a model choice.
 
 use super::digits::plain;
-use super::table::{Align, Table};
+use super::rows::NONE;
+use super::table::Align;
 use super::wording::list;
 use crate::inversion::{ChoiceFound, Criterion, Standing, VariantFound};
 
 /// Decimals of what is compared.
 const DECIMALS: usize = 1;
 
+/// The headings of [`rows`].
+pub(super) const COLUMNS: [(&str, Align); 7] = [
+    ("variant", Align::Left),
+    ("unknowns", Align::Right),
+    ("chi²", Align::Right),
+    ("AICc", Align::Right),
+    ("BIC", Align::Right),
+    ("held-out", Align::Right),
+    ("", Align::Left),
+];
+
 /// A row for each variant: what is compared stands as its distance from the lowest of those with a minimum.
-pub(super) fn table(found: &ChoiceFound) -> String {
-    let right = Align::Right;
-    let mut table = Table::new(&[
-        ("variant", Align::Left),
-        ("unknowns", right),
-        ("chi²", right),
-        ("AICc", right),
-        ("BIC", right),
-        ("held-out", right),
-        ("", Align::Left),
-    ]);
+pub(super) fn rows(found: &ChoiceFound) -> Vec<[String; 7]> {
     let least = |of: &dyn Fn(&VariantFound) -> Option<f64>| {
         let compared = found.variants.iter().filter(|row| !row.behind_in.contains(&Criterion::Convergence));
         compared.filter_map(of).fold(f64::INFINITY, f64::min)
     };
     let (aicc, bic) = (least(&|row| row.aicc), least(&|row| Some(row.bic)));
-    let behind = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:+.DECIMALS$}"));
-    for row in &found.variants {
+    let behind = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| format!("{value:+.DECIMALS$}"));
+    let row = |row: &VariantFound| {
         let held_out = row
             .held_out_behind
             .zip(row.held_out_error)
-            .map_or_else(|| "—".to_owned(), |(behind, error)| format!("{behind:+.DECIMALS$} ± {error:.DECIMALS$}"));
-        table.row([
+            .map_or_else(|| NONE.to_owned(), |(behind, error)| format!("{behind:+.DECIMALS$} ± {error:.DECIMALS$}"));
+        [
             row.name.clone(),
             row.unknowns.to_string(),
             plain(row.chi2),
@@ -39,9 +41,9 @@ pub(super) fn table(found: &ChoiceFound) -> String {
             behind(Some(row.bic - bic)),
             held_out,
             standing(row),
-        ]);
-    }
-    table.to_string()
+        ]
+    };
+    found.variants.iter().map(row).collect()
 }
 
 /// How a variant came out, in words.

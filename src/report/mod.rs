@@ -1,7 +1,9 @@
-//! Results in words: the one-screen report, the captions of plots, the sentences of the verdict.
+//! Results in words: the one-screen report, the page `report.html`, the captions of plots, the sentences of the verdict.
 
 mod choice;
 mod digits;
+pub mod html;
+mod rows;
 mod table;
 pub mod terminal;
 pub mod uncertainty;

@@ -1,10 +1,11 @@
 //! The report of a fit for a terminal: one screen, what matters most first.
 
 use super::choice;
-use super::digits::{plain, with_sigma};
+use super::digits::plain;
+use super::rows;
 use super::table::{Align, Table};
 use super::wording;
-use crate::inversion::{AdviceFound, Estimate, Fit, FitOutcome, NuisanceFound, SigmaSource, Verdict};
+use crate::inversion::{AdviceFound, ChoiceFound, Estimate, Fit, FitOutcome, NuisanceFound};
 
 /// Warnings that are told; all of them are in `fit.json`.
 const WARNINGS: usize = 6;
@@ -25,7 +26,7 @@ const NARROWEST: usize = 60;
 #[must_use]
 pub fn text(fit: &Fit, width: usize) -> String {
     let (outcome, width) = (&fit.outcome, width.max(NARROWEST));
-    let mut report = wrapped(&capitalised(&wording::verdict(outcome)), "", "", width);
+    let mut report = wrapped(&wording::capitalised(&wording::verdict(outcome)), "", "", width);
     report.push('\n');
     for warning in outcome.warnings.iter().take(WARNINGS) {
         report.push_str(&wrapped(warning, "! ", "  ", width));
@@ -39,13 +40,13 @@ pub fn text(fit: &Fit, width: usize) -> String {
     }
     report.push_str(&parameters(outcome));
     report.push('\n');
-    let nuisance = if answers(outcome) { nuisances(&outcome.nuisance) } else { String::new() };
-    for line in [stiffness(outcome), nuisance, goodness(outcome), data(outcome)] {
+    let nuisance = if wording::answers(outcome) { nuisances(&outcome.nuisance) } else { String::new() };
+    for line in [wording::stiffness(outcome), nuisance, wording::goodness(outcome), data(outcome)] {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
     report.push_str(&rivals(outcome, width));
     if let Some(found) = &outcome.choice {
-        report.push_str(&format!("\n{}", choice::table(found)));
+        report.push_str(&format!("\n{}", choice_table(found)));
         report.push_str(&wrapped(&found.rule, "  ", "  ", width));
     }
     let next = advice(&outcome.advice, width);
@@ -76,83 +77,41 @@ fn parameters(outcome: &FitOutcome) -> String {
         ("95 % interval", Align::Left),
         ("status", Align::Left),
     ]);
-    for (name, estimate) in outcome.parameters.each() {
-        table.row(row(name, estimate));
+    let told = |(name, estimate): (&str, &Estimate)| {
+        let [name, value, sigma, unit, _, interval_95, status] = rows::estimate(name, estimate);
+        [name, value, sigma, unit, interval_95, status]
+    };
+    for parameter in outcome.parameters.each() {
+        table.row(told(parameter));
     }
     table.row([""; 6]);
-    table.row(row("d_air + d_cuticle", &outcome.derived.period));
-    table.row(row("optical sum", &outcome.derived.optical_sum));
+    for sum in rows::sums(outcome) {
+        table.row(told(sum));
+    }
     table.to_string()
 }
 
-fn row(name: &str, estimate: &Estimate) -> [String; 6] {
-    let (value, sigma) = match (estimate.value, estimate.sigma) {
-        (None, _) => ("—".to_owned(), String::new()),
-        (Some(value), None) => (plain(value), String::new()),
-        (Some(value), Some(sigma)) => {
-            let (value, sigma) = with_sigma(value, sigma);
-            (value, format!("± {sigma}"))
-        }
-    };
-    [name.to_owned(), value, sigma, estimate.unit.clone(), wording::interval(estimate), wording::status(estimate)]
-}
-
-/// The best and the worst known combination of parameters.
-fn stiffness(outcome: &FitOutcome) -> String {
-    let all = &outcome.identifiability.combinations;
-    let (Some(stiff), Some(sloppy), true) = (all.first(), all.last(), all.len() > 1) else { return String::new() };
-    // Where the model misses the data these are not what is known.
-    if !answers(outcome) || outcome.sigma_source == SigmaSource::Widened {
-        return String::new();
-    }
-    format!("stiffest: {}; sloppiest: {}", wording::combination(stiff), wording::combination(sloppy))
-}
-
 fn nuisances(found: &[NuisanceFound]) -> String {
-    let one = |nuisance: &NuisanceFound| match nuisance.sigma {
-        Some(sigma) => {
-            let (value, sigma) = with_sigma(nuisance.value, sigma);
-            format!("{} {value} ± {sigma}", nuisance.name)
-        }
-        None if nuisance.conditional => {
-            format!("{} {} for the held values only", nuisance.name, plain(nuisance.value))
-        }
-        None => format!("{} {}", nuisance.name, plain(nuisance.value)),
-    };
+    let one = |nuisance: &NuisanceFound| rows::nuisance(nuisance).into_iter().filter(|text| !text.is_empty());
+    let one = |nuisance: &NuisanceFound| one(nuisance).collect::<Vec<String>>().join(" ");
     let mut texts: Vec<String> = found.iter().take(NUISANCES).map(one).collect();
     let more = found.len().saturating_sub(NUISANCES);
     texts.extend((more > 0).then(|| format!("and {more} more in fit.json")));
     texts.join(", ")
 }
 
-fn goodness(outcome: &FitOutcome) -> String {
-    let source = wording::sigma_source(outcome.sigma_source);
-    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
-    let per = outcome.chi2 / outcome.dof as f64;
-    if outcome.dof == 0 {
-        return format!("chi² {} without degrees of freedom; {source}", plain(outcome.chi2));
+/// What a choice of the model was made from.
+fn choice_table(found: &ChoiceFound) -> Table {
+    let mut table = Table::new(&choice::COLUMNS);
+    for row in choice::rows(found) {
+        table.row(row);
     }
-    let (chi2, dof) = (plain(outcome.chi2), outcome.dof);
-    let scatter = outcome.sigma_ratio.is_none();
-    if scatter {
-        return format!("scatter {} with {dof} degrees of freedom; {source}", plain(per.sqrt()));
-    }
-    format!("chi² {chi2} for {dof} degrees of freedom, {} each; {source}", plain(per))
-}
-
-/// Whether the fit tells a thickness, so that there is something to compare with.
-fn answers(outcome: &FitOutcome) -> bool {
-    !matches!(outcome.verdict, Verdict::NotConverged | Verdict::NoThickness)
-}
-
-/// The number without what rounding left of a zero.
-fn settled(value: f64) -> f64 {
-    if value.abs() < 1e-6 { 0.0 } else { value }
+    table
 }
 
 /// The rivals: in a line if none fits, as a table with the best if one does.
 fn rivals(outcome: &FitOutcome, width: usize) -> String {
-    if !answers(outcome) {
+    if !wording::answers(outcome) {
         return String::new();
     }
     let [_, second, ..] = outcome.minima.as_slice() else { return String::new() };
@@ -180,9 +139,8 @@ fn rivals(outcome: &FitOutcome, width: usize) -> String {
         ("", Align::Left),
     ]);
     for (place, minimum) in outcome.minima.iter().filter(|minimum| minimum.fits).take(RIVALS).enumerate() {
-        let [d_air, d_cuticle, delta, ..] = minimum.values.map(|value| plain(settled(value)));
-        let (chi2, weight) = (plain(settled(minimum.delta_chi2)), format!("{:.0} %", 100.0 * minimum.weight));
-        table.row([(place + 1).to_string(), d_air, d_cuticle, delta, chi2, weight, minimum.relation.phrase()]);
+        let [number, d_air, d_cuticle, delta, _, _, chi2, weight, relation] = rows::minimum(place, minimum, outcome);
+        table.row([number, d_air, d_cuticle, delta, chi2, weight, relation]);
     }
     let more = outcome.minima.iter().filter(|minimum| minimum.fits).count().saturating_sub(RIVALS);
     let more = if more > 0 { format!("  and {more} more in fit.json\n") } else { String::new() };
@@ -208,15 +166,6 @@ fn data(outcome: &FitOutcome) -> String {
         more => text.push_str(&format!("; and {more} more notes in fit.json")),
     }
     text
-}
-
-fn capitalised(text: &str) -> String {
-    // A parameter's name keeps its small letter.
-    if text.split(' ').next().is_some_and(|word| word.contains('_') || word.trim_end_matches(',') == "delta") {
-        return text.to_owned();
-    }
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 /// Words of `text` in lines of at most `width` characters, the first after `first`, the others after `next`.

@@ -1,48 +1,83 @@
 //! The intervals of several methods in one table.
 
-use super::digits::{plain, to_place_of};
+use super::digits::plain;
 use super::table::{Align, Table};
 use super::terminal::wrapped;
-use crate::inversion::intervals::{Method, MethodIntervals, Resampling, UncertaintyFound};
+use super::wording;
+use crate::inversion::intervals::{IntervalsFound, Method, MethodIntervals, Resampling, UncertaintyFound};
+
+/// The headings of [`rows`].
+pub(super) const COLUMNS: [(&str, Align); 6] = [
+    ("", Align::Left),
+    ("unit", Align::Left),
+    ("method", Align::Left),
+    ("68 % interval", Align::Left),
+    ("95 % interval", Align::Left),
+    ("", Align::Left),
+];
+
+/// A sentence below the table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Remark {
+    /// Something to act on.
+    Warning(String),
+    /// How the work went.
+    Note(String),
+}
 
 /// The table, and below it how bootstrap and sampling went, in lines of `width` characters.
 ///
 /// A method that parts from the covariance by more than a fifth is marked with by how much.
 #[must_use]
 pub fn text(found: &UncertaintyFound, width: usize) -> String {
-    let left = Align::Left;
-    let mut table = Table::new(&[
-        ("", left),
-        ("unit", left),
-        ("method", left),
-        ("68 % interval", left),
-        ("95 % interval", left),
-        ("", left),
-    ]);
-    for quantity in &found.quantities {
-        let name = match quantity.name.as_str() {
-            "period" => "d_air + d_cuticle",
-            "optical_sum" => "optical sum",
-            name => name,
-        };
-        for (place, method) in quantity.methods.iter().enumerate() {
-            let first = place == 0;
-            table.row([
-                if first { name.to_owned() } else { String::new() },
-                if first { quantity.unit.clone() } else { String::new() },
-                method.method.phrase().to_owned(),
-                ends(method, method.intervals.interval_68),
-                ends(method, method.intervals.interval_95),
-                parting(method),
-            ]);
+    let mut table = Table::new(&COLUMNS);
+    let mut last = String::new();
+    for mut row in rows(found) {
+        // The name stands once.
+        if row[0] == last {
+            (row[0], row[1]) = (String::new(), String::new());
+        } else {
+            last.clone_from(&row[0]);
         }
+        table.row(row);
     }
     let mut text = table.to_string();
+    for remark in remarks(found) {
+        text.push_str(&match remark {
+            Remark::Warning(sentence) => wrapped(&sentence, "! ", "  ", width),
+            Remark::Note(sentence) => wrapped(&sentence, "  ", "    ", width),
+        });
+    }
+    text
+}
+
+/// A row for each method of each quantity: name, unit, method, both intervals, and where it parts from the covariance.
+pub(super) fn rows(found: &UncertaintyFound) -> Vec<[String; 6]> {
+    let of = |quantity: &IntervalsFound, method: &MethodIntervals| {
+        [
+            wording::quantity(&quantity.name).to_owned(),
+            quantity.unit.clone(),
+            method.method.phrase().to_owned(),
+            ends(method, method.intervals.interval_68),
+            ends(method, method.intervals.interval_95),
+            parting(method),
+        ]
+    };
+    found
+        .quantities
+        .iter()
+        .flat_map(|quantity| quantity.methods.iter().map(move |method| of(quantity, method)))
+        .collect()
+}
+
+/// Where methods part, what failed, and how the sampling went.
+pub(super) fn remarks(found: &UncertaintyFound) -> Vec<Remark> {
+    let mut remarks = Vec::new();
     let parted = |bent: bool| {
         let of = |method: Method| matches!(method, Method::Profile | Method::Posterior) == bent;
         found.quantities.iter().flat_map(|quantity| &quantity.methods).any(|m| of(m.method) && m.parts())
     };
-    let mut say = |sentence: &str| text.push_str(&wrapped(sentence, "! ", "  ", width));
+    let mut say = |sentence: &str| remarks.push(Remark::Warning(sentence.to_owned()));
     if parted(true) {
         say("profile or posterior part from the covariance by more than 20 %: trust them, the problem is not linear");
     }
@@ -79,14 +114,14 @@ pub fn text(found: &UncertaintyFound, width: usize) -> String {
             ));
         }
         if posterior.samples > 0 {
-            text.push_str(&format!(
-                "  posterior: {} samples in {} chains, at least {effective} effective, split-R̂ {r_hat}, {evaluations} \
-                 evaluations\n",
+            remarks.push(Remark::Note(format!(
+                "posterior: {} samples in {} chains, at least {effective} effective, split-R̂ {r_hat}, {evaluations} \
+                 evaluations",
                 posterior.samples, posterior.chains
-            ));
+            )));
         }
     }
-    text
+    remarks
 }
 
 fn parting(method: &MethodIntervals) -> String {
@@ -103,11 +138,5 @@ fn ends(method: &MethodIntervals, interval: [Option<f64>; 2]) -> String {
         [Some(low), Some(high)] => Some(0.5 * (high - low)),
         _ => method.sigma,
     };
-    let number = |value: f64| width.map_or_else(|| plain(value), |width| to_place_of(value, width));
-    match interval {
-        [Some(low), Some(high)] => format!("{} to {}", number(low), number(high)),
-        [Some(low), None] => format!("above {}", number(low)),
-        [None, Some(high)] => format!("below {}", number(high)),
-        [None, None] => "all of the bounds".to_owned(),
-    }
+    wording::ends(interval, width)
 }

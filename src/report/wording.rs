@@ -110,16 +110,52 @@ pub fn status(estimate: &Estimate) -> String {
     }
 }
 
-/// An interval in words; an open end is a bound of the search.
+/// What a status means for the reader of a value.
+#[must_use]
+pub fn meaning(status: Status) -> &'static str {
+    match status {
+        Status::Ok => "determined; the interval holds",
+        Status::Fixed | Status::Linked => "as the settings say",
+        Status::AtBound => "the best value lies on a bound: the data ask for more than the bounds allow",
+        Status::OneSided => "told on one side: the interval reaches a bound and is open there",
+        Status::Correlated => "determined, but almost only together with another: quote both, or the sum",
+        Status::Ambiguous => "another structure with another value fits as well; the interval spans them all",
+        Status::Insensitive => "nothing in the data depends on it: no value is given",
+        Status::NotIdentifiable => "the data cannot tell it apart from others or from the noise: no value is given",
+    }
+}
+
+/// The name of a quantity for a reader.
+#[must_use]
+pub fn quantity(name: &str) -> &str {
+    match name {
+        "period" => "d_air + d_cuticle",
+        "optical_sum" => "optical sum",
+        name => name,
+    }
+}
+
+/// The interval of 95 % in words; an open end is a bound of the search.
 #[must_use]
 pub fn interval(estimate: &Estimate) -> String {
-    let number = |value: f64| estimate.sigma.map_or_else(|| plain(value), |sigma| to_place_of(value, sigma));
-    match estimate.interval_95 {
-        None => String::new(),
-        Some([Some(low), Some(high)]) => format!("{} to {}", number(low), number(high)),
-        Some([Some(low), None]) => format!("above {}", number(low)),
-        Some([None, Some(high)]) => format!("below {}", number(high)),
-        Some([None, None]) => "all of the bounds".to_owned(),
+    estimate.interval_95.map_or_else(String::new, |interval| ends(interval, estimate.sigma))
+}
+
+/// An interval in words with the digits that a standard deviation of `width` would have; an open end is a bound.
+///
+/// ```
+/// use morpho_fit::report::wording::ends;
+/// assert_eq!(ends([Some(140.7182), Some(141.3574)], Some(0.16)), "140.72 to 141.36");
+/// assert_eq!(ends([None, Some(2.5)], None), "below 2.5");
+/// ```
+#[must_use]
+pub fn ends(interval: [Option<f64>; 2], width: Option<f64>) -> String {
+    let number = |value: f64| width.map_or_else(|| plain(value), |width| to_place_of(value, width));
+    match interval {
+        [Some(low), Some(high)] => format!("{} to {}", number(low), number(high)),
+        [Some(low), None] => format!("above {}", number(low)),
+        [None, Some(high)] => format!("below {}", number(high)),
+        [None, None] => "all of the bounds".to_owned(),
     }
 }
 
@@ -184,13 +220,19 @@ const GAINS: f64 = 0.5;
 /// chi² from which another structure no longer fits as well.
 const SPLIT: f64 = 9.0;
 
+/// Whether the expected standard deviations are numbers to tell: where a thickness is all but unknown the derivatives at one
+/// structure are no forecast.
+#[must_use]
+pub fn forecasts(advice: &AdviceFound) -> bool {
+    !advice.expected.iter().any(|expected| expected.name.starts_with("d_") && expected.before > ROUGH)
+}
+
 /// Scans to add, and what they would tell: `a spectrum …: d_air to ± 0.4 nm (now ± 80 nm)`.
 #[must_use]
 pub fn advice(advice: &AdviceFound) -> String {
     let scans: Vec<&str> = advice.scans.iter().map(String::as_str).collect();
     let gain = |expected: &&SigmaExpected| expected.after < GAINS * expected.before;
-    // Where a thickness is all but unknown the derivatives at one structure are no forecast: the names alone.
-    let rough = advice.expected.iter().any(|expected| expected.name.starts_with("d_") && expected.before > ROUGH);
+    let rough = !forecasts(advice);
     let one = |expected: &SigmaExpected| {
         let SigmaExpected { name, unit, after, .. } = expected;
         if rough { name.clone() } else { format!("{name} to about ± {} {unit}", with_sigma(0.0, *after).1) }
@@ -220,6 +262,51 @@ pub fn sigma_source(source: SigmaSource) -> &'static str {
         SigmaSource::Widened => "sigma widened because the model misses the data",
         SigmaSource::Scatter => "sigma from the scatter about the model: the data state none",
     }
+}
+
+/// The best and the worst known combination of parameters; empty where the fit has no answer, or they would be no measure.
+#[must_use]
+pub fn stiffness(outcome: &FitOutcome) -> String {
+    let all = &outcome.identifiability.combinations;
+    let (Some(stiff), Some(sloppy), true) = (all.first(), all.last(), all.len() > 1) else { return String::new() };
+    // Where the model misses the data these are not what is known.
+    if !answers(outcome) || outcome.sigma_source == SigmaSource::Widened {
+        return String::new();
+    }
+    format!("stiffest: {}; sloppiest: {}", combination(stiff), combination(sloppy))
+}
+
+/// How well the model meets the data.
+#[must_use]
+pub fn goodness(outcome: &FitOutcome) -> String {
+    let source = sigma_source(outcome.sigma_source);
+    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+    let per = outcome.chi2 / outcome.dof as f64;
+    if outcome.dof == 0 {
+        return format!("chi² {} without degrees of freedom; {source}", plain(outcome.chi2));
+    }
+    let (chi2, dof) = (plain(outcome.chi2), outcome.dof);
+    let scatter = outcome.sigma_ratio.is_none();
+    if scatter {
+        return format!("scatter {} with {dof} degrees of freedom; {source}", plain(per.sqrt()));
+    }
+    format!("chi² {chi2} for {dof} degrees of freedom, {} each; {source}", plain(per))
+}
+
+/// Whether the fit tells a thickness, so that there is something to compare with.
+#[must_use]
+pub fn answers(outcome: &FitOutcome) -> bool {
+    !matches!(outcome.verdict, Verdict::NotConverged | Verdict::NoThickness)
+}
+
+/// The sentence with a capital letter, unless it begins with the name of a parameter.
+#[must_use]
+pub fn capitalised(text: &str) -> String {
+    if text.split(' ').next().is_some_and(|word| word.contains('_') || word.trim_end_matches(',') == "delta") {
+        return text.to_owned();
+    }
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 #[cfg(test)]

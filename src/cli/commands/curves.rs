@@ -1,7 +1,7 @@
 //! `morpho-fit curves`: intensity over the viewing angle for several wavelengths, and spectra at several angles.
 
 use crate::args::{CurveArgs, CurvesArgs};
-use crate::commands::drawn;
+use crate::commands::{chart_files, drawn};
 use crate::exit::{Outcome, Usage};
 use crate::output::{self, Folder};
 use crate::scans::Values;
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &CurvesArgs) -> Result<Outcome> {
         ("polar", polar_chart(&by_angle, &values, &over_angle)),
         ("spectra", curves_chart(&format!("{}: spectra", subject.name), &values, &spectra)),
     ];
-    files.extend(drawn(figures)?);
+    files.extend(chart_files(&drawn(figures)?));
     folder.write(&files)?;
     if !args.output.quiet {
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();

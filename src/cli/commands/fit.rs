@@ -1,7 +1,7 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
 use crate::args::{FitArgs, ModelWord, OutputArgs, UncertaintyWord};
-use crate::commands::drawn;
+use crate::commands::{chart_files, drawn};
 use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::exit::{Outcome, Usage};
 use crate::options::Problem;
@@ -13,9 +13,10 @@ use morpho_fit::export::{curves_csv, fit_json};
 use morpho_fit::inversion::{
     Ask, Fit, FitOutcome, Parameter, Search, SigmaSource, Status, Verdict, advise, chi_square_map, choose, fit,
 };
-use morpho_fit::plot::Figure;
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
+use morpho_fit::plot::{Figure, Picture};
+use morpho_fit::report::html::{Chart, page};
 use morpho_fit::report::{terminal, uncertainty, wording};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -61,7 +62,7 @@ fn written_over(file: &str, folder: &Path) -> Option<String> {
             .ok()
             .zip(fs::canonicalize(folder).ok())
             .is_some_and(|(ours, theirs)| ours == theirs);
-    let is_result = name == "fit.json" || name == "curves.csv" || FILES.contains(&name.as_str());
+    let is_result = ["fit.json", "curves.csv", PAGE].contains(&name.as_str()) || FILES.contains(&name.as_str());
     (same && is_result).then_some(name)
 }
 
@@ -75,6 +76,8 @@ fn place(args: &OutputArgs, file: &str) -> PathBuf {
 
 /// Names of all charts, each with the ends .svg and .png.
 const PICTURES: [&str; 6] = ["curves", "residuals", "atlas", "profile", "corner", "trace"];
+/// The page that shows the fit with its charts.
+const PAGE: &str = "report.html";
 /// Cells of the map of chi², each way.
 const MAP_CELLS: usize = 56;
 
@@ -106,9 +109,12 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
     let title = format!("{name}: {}", wording::verdict(&fit.outcome));
     let mut files = vec![("curves.csv".to_owned(), curves_csv(data, &fit)?)];
+    let mut pictures = Vec::new();
     if !args.output.no_plots {
         tell("drawing the charts");
-        files.extend(drawn(figures(data, &fit, &title)?)?);
+        pictures = drawn(figures(data, &fit, &title)?)?;
+        files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
+        files.extend(chart_files(&pictures));
     }
     let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
     let mut json = fit_json(&fit.outcome)?;
@@ -118,7 +124,7 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     folder.write(&files)?;
     if is_ours {
         let pictures = PICTURES.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
-        let all = pictures.chain(FILES.map(str::to_owned));
+        let all = pictures.chain(FILES.map(str::to_owned)).chain([PAGE.to_owned()]);
         folder.remove_stale(&all.filter(|name| !names.contains(name)).collect::<Vec<String>>());
     }
     let methods = Methods::of(&args.uncertainty, command);
@@ -127,9 +133,14 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
         json = fit_json(&fit.outcome)?;
         let mut files = intervals.files()?;
         if !args.output.no_plots {
-            files.extend(drawn(intervals.figures(&fit.outcome, &title)?)?);
+            let more = drawn(intervals.figures(&fit.outcome, &title)?)?;
+            files.extend(chart_files(&more));
+            pictures.extend(more);
         }
         names.extend(files.iter().map(|(name, _)| name.clone()));
+        if !args.output.no_plots {
+            files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
+        }
         files.push(("fit.json".to_owned(), json.clone()));
         folder.write(&files)?;
     }
@@ -150,6 +161,12 @@ fn figures(data: &Dataset, fit: &Fit, title: &str) -> Result<Vec<(&'static str, 
         figures.push(("atlas", map_figure(&map, &fit.outcome, title)?));
     }
     Ok(figures)
+}
+
+/// The page with all pictures there are.
+fn report(fit: &Fit, file: &str, pictures: &[(&'static str, Picture)]) -> Vec<u8> {
+    let charts: Vec<Chart<'_>> = pictures.iter().map(|(name, picture)| Chart::named(name, &picture.svg)).collect();
+    page(&fit.outcome, file, &charts, &[]).into_bytes()
 }
 
 fn outcome(found: &FitOutcome) -> Outcome {

@@ -7,14 +7,17 @@ mod intervals;
 pub(crate) mod simulate;
 
 use anyhow::Result;
-use morpho_fit::plot::{Figure, draw};
+use morpho_fit::plot::{Figure, Picture, draw};
 
-/// Each figure as SVG and PNG.
-fn drawn(figures: Vec<(&'static str, Figure)>) -> Result<Vec<(String, Vec<u8>)>> {
-    let mut files = Vec::new();
-    for (name, figure) in figures {
-        let picture = draw(&figure)?;
-        files.extend([(format!("{name}.svg"), picture.svg.into_bytes()), (format!("{name}.png"), picture.png)]);
-    }
-    Ok(files)
+fn drawn(figures: Vec<(&'static str, Figure)>) -> Result<Vec<(&'static str, Picture)>> {
+    figures.into_iter().map(|(name, figure)| Ok((name, draw(&figure)?))).collect()
+}
+
+/// Each picture as SVG and PNG.
+fn chart_files(pictures: &[(&'static str, Picture)]) -> Vec<(String, Vec<u8>)> {
+    let both = |(name, picture): &(&str, Picture)| {
+        let Picture { svg, png } = picture.clone();
+        [(format!("{name}.svg"), svg.into_bytes()), (format!("{name}.png"), png)]
+    };
+    pictures.iter().flat_map(both).collect()
 }
