@@ -82,6 +82,12 @@ impl Wavelengths {
         Self { first: 380.0, step: 10.0, points: 37 }
     }
 
+    /// 380 to 780 nm by 1 nm, 401 points: the reference that coarser grids are held against.
+    #[must_use]
+    pub fn finest() -> Self {
+        Self { first: 380.0, step: 1.0, points: 401 }
+    }
+
     /// 380 to 780 nm by `step` nm: what eyes see, and the range of the daylight table.
     ///
     /// # Errors

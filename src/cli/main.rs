@@ -15,6 +15,7 @@ mod scans;
 mod settings_file;
 mod subject;
 mod values;
+mod viewing;
 
 use args::{Cli, Command, UncertaintyWord};
 use clap::Parser;
@@ -39,6 +40,7 @@ fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
         Some(Command::Sample(args)) => commands::fit::run(&args, UncertaintyWord::Sample),
         Some(Command::Check(args)) => commands::check::run(&args),
         Some(Command::Curves(args)) => commands::curves::run(&args),
+        Some(Command::Sweep(args)) => commands::sweep::run(&args),
         Some(Command::Simulate(args)) => commands::simulate::run(&args, line),
     }
 }

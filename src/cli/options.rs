@@ -58,7 +58,7 @@ impl Problem {
 /// A file that is not there may be a mistyped word.
 fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     let name = path.to_string_lossy();
-    match nearest(&name, &["fit", "profile", "bootstrap", "sample", "check", "simulate", "help"])
+    match nearest(&name, &["fit", "profile", "bootstrap", "sample", "check", "curves", "sweep", "simulate", "help"])
         .filter(|_| !name.contains(['.', '/', '\\']))
     {
         Some(word) => {

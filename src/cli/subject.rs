@@ -36,9 +36,8 @@ impl Subject {
         if let Some(flag) = of_the_model(args) {
             return Err(Usage(format!("{flag} is in the fit already, with the rest of its model; leave it out")).into());
         }
-        let file = if path.is_dir() { path.join("fit.json") } else { path.clone() };
-        let bytes = output::read(&file)?;
-        let outcome = read_fit_json(&bytes).map_err(|error| BadData(format!("{}: {error}", file.display())))?;
+        let (name, outcome) = read_fit(path)?;
+        let file = fit_file(path);
         let Some(best) = outcome.minima.first() else {
             return Err(BadData(format!("{}: the fit has no minimum", file.display())).into());
         };
@@ -48,10 +47,9 @@ impl Subject {
         }
         let model = outcome.settings.model.build(outcome.settings.stack.clone());
         let folder = file.parent().map(Path::to_owned).unwrap_or_default();
-        let name = file.parent().and_then(Path::file_name).map_or("fit".into(), |name| name.to_string_lossy());
         let structure = options::structure(&args.structure, structure(&values));
         structure.validate().with_context(|| file.display().to_string())?;
-        Ok(Self { name: format!("fit {name}"), folder, structure, model, fit: Some(outcome) })
+        Ok(Self { name, folder, structure, model, fit: Some(outcome) })
     }
 
     /// The five values in one line.
@@ -72,6 +70,19 @@ impl Subject {
         }
         text
     }
+}
+
+fn fit_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("fit.json") } else { path.to_owned() }
+}
+
+/// A fit with its name: that of its folder.
+pub(crate) fn read_fit(path: &Path) -> Result<(String, FitOutcome)> {
+    let file = fit_file(path);
+    let outcome = read_fit_json(&output::read(&file)?);
+    let outcome = outcome.map_err(|error| BadData(format!("{}: {error}", file.display())))?;
+    let name = file.parent().and_then(Path::file_name).map_or("".into(), |name| name.to_string_lossy());
+    Ok((format!("fit {name}").trim_end().to_owned(), outcome))
 }
 
 /// The first flag of the model that is given.

@@ -1,10 +1,12 @@
 //! Results as bytes: `fit.json`, `curves.csv` and the samples behind intervals. Nothing here opens a file.
 
+mod colours;
 mod curves;
 mod json;
 mod samples;
 mod terms;
 
+pub use colours::colours_csv;
 pub use curves::curves_csv;
 pub use json::{fit_json, read_fit_json};
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};

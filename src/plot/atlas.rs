@@ -148,7 +148,7 @@ fn validate(atlas: &Atlas) -> Result<(), PlotError> {
 }
 
 /// Cells whose ends lie half way between the values.
-fn edges_around(middles: &[f64]) -> Vec<f64> {
+pub(super) fn edges_around(middles: &[f64]) -> Vec<f64> {
     let between = middles.windows(2).map(|pair| pair.iter().sum::<f64>() / 2.0);
     let outer = |ends: Option<(f64, f64)>| ends.map(|(end, next)| end + (end - next) / 2.0);
     let first = outer(middles.first().copied().zip(middles.get(1).copied()));

@@ -4,6 +4,7 @@
 //! - [`fit`]: the charts of a fit, made of these; [`corner`], [`trace`], [`profile`] and [`atlas`]: those of what it
 //!   leaves open, from plain lists.
 //! - [`angular`]: curves of a known structure over angle and wavelength, cartesian and polar.
+//! - [`sweep`]: colour against a parameter of the structure.
 //! - [`canvas`]: the sheet below them, for a chart that is not a grid of panels.
 //! - [`font`]: the embedded font and what it can write; [`palette`]: colours that colour-blind readers can tell apart.
 //!
@@ -25,6 +26,7 @@ pub mod panels;
 pub mod profile;
 mod raster;
 mod slices;
+pub mod sweep;
 pub mod trace;
 mod vector;
 

@@ -4,6 +4,7 @@ mod choice;
 mod digits;
 pub mod html;
 mod rows;
+pub mod swatches;
 mod table;
 pub mod terminal;
 pub mod uncertainty;

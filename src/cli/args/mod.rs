@@ -8,13 +8,14 @@ mod structure;
 mod subject;
 mod words;
 
-pub(crate) use drawing::{CurveArgs, CurvesArgs};
+pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;
 pub(crate) use problem::{LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
 pub(crate) use structure::StructureArgs;
 pub(crate) use subject::SubjectArgs;
 pub(crate) use words::{
-    AdmittanceWord, ExtentWord, LossWord, ModelWord, PolarizationWord, PresetWord, SnellWord, UncertaintyWord, WideWord,
+    AdmittanceWord, ExtentWord, GamutWord, KeepWord, LossWord, ModelWord, ObserverWord, PolarizationWord, PresetWord,
+    SnellWord, TurnWord, UncertaintyWord, WideWord,
 };
 
 use crate::values;
@@ -70,6 +71,10 @@ pub(crate) enum Command {
     /// angular.svg, polar.svg, spectra.svg, model.csv.
     #[command(args_override_self = true)]
     Curves(CurvesArgs),
+    /// Draw colour against d_air or another parameter: a strip at one angle, and a chart over the viewing angle: sweep.svg,
+    /// strip.svg, sweep.csv.
+    #[command(args_override_self = true)]
+    Sweep(SweepArgs),
     /// Write a CSV file as if it were measured, from known parameters, design and noise.
     #[command(args_override_self = true)]
     Simulate(SimulateArgs),

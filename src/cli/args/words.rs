@@ -1,6 +1,7 @@
 //! Words of the command line, each with its library value.
 
 use clap::ValueEnum;
+use morpho_fit::colorimetry::{GamutMapping, Observer};
 use morpho_fit::dataset::WideHeading;
 use morpho_fit::geometry::Polarization;
 use morpho_fit::inversion::Extent;
@@ -114,4 +115,40 @@ impl PresetWord {
             Self::Table1 => "table1",
         }
     }
+}
+
+words!(ObserverWord => Observer {
+    /// CIE 1931, 2 degrees.
+    #[value(name = "1931")]
+    Cie1931 => Observer::Cie1931,
+    /// CIE 1964, 10 degrees.
+    #[value(name = "1964")]
+    Cie1964 => Observer::Cie1964,
+});
+
+words!(GamutWord => GamutMapping {
+    /// Cut each channel at 0 and 1: brighter, but the hue moves.
+    Clip => GamutMapping::Clip,
+    /// Lower the chroma at constant hue and lightness until the colour fits.
+    ReduceChroma => GamutMapping::ReduceChroma,
+});
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum KeepWord {
+    /// d_air + d_cuticle.
+    Period,
+    /// n_gap d_air + n_cuticle d_cuticle, with the indices at 560 nm.
+    OpticalSum,
+    /// The other thickness.
+    Other,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TurnWord {
+    /// Incidence theta, viewed at phi = -theta.
+    Mirror,
+    /// The viewing angle phi, at a fixed theta.
+    Phi,
+    /// The incidence theta, at a fixed phi.
+    Theta,
 }

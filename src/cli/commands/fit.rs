@@ -1,8 +1,8 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
 use crate::args::{FitArgs, ModelWord, OutputArgs, UncertaintyWord};
-use crate::commands::{chart_files, drawn};
 use crate::commands::intervals::{FILES, Intervals, Methods};
+use crate::commands::{chart_files, drawn};
 use crate::exit::{Outcome, Usage};
 use crate::options::Problem;
 use crate::output::{self, Folder, WIDTH};

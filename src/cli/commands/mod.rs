@@ -5,6 +5,7 @@ pub(crate) mod curves;
 pub(crate) mod fit;
 mod intervals;
 pub(crate) mod simulate;
+pub(crate) mod sweep;
 
 use anyhow::Result;
 use morpho_fit::plot::{Figure, Picture, draw};

@@ -1,0 +1,244 @@
+//! `morpho-fit sweep`: colour against a parameter of the structure.
+
+use crate::args::{AxesArgs, KeepWord, SweepArgs, TurnWord};
+use crate::commands::{chart_files, drawn};
+use crate::exit::{Outcome, Usage};
+use crate::output::{self, Folder};
+use crate::subject::Subject;
+use crate::viewing::viewing;
+use anyhow::Result;
+use morpho_fit::colorimetry::{GamutMapping, RgbSpace, RgbTransform, Shown, Xyz};
+use morpho_fit::export::colours_csv;
+use morpho_fit::geometry::{Geometry, Polarization};
+use morpho_fit::inversion::{COUNT, FitOutcome, Parameter, Role, structure, values};
+use morpho_fit::optics::{ReflectivityModel, Structure};
+use morpho_fit::plot::sweep::{Cell, FitMark, Sweep, strip_figure, sweep_figure};
+use morpho_fit::spectrum::Wavelengths;
+use morpho_fit::sweep::{Colours, View, colours, spectra};
+use morpho_fit::synthetic::linspace;
+use morpho_fit::units::radians;
+
+/// Wavelength at which the indices of the optical sum are taken, nm, as the fit does.
+const INDEX_WAVELENGTH: f64 = 560.0;
+/// Step of the reflectivity beside the chart, nm.
+const REFLECTIVITY_STEP: f64 = 4.0;
+
+pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
+    let subject = Subject::read(&args.subject)?;
+    let (viewing, mapping) = viewing(&args.viewing)?;
+    let axis = Axis::of(&args.axes, &subject)?;
+    let folder = Folder::open(args.output.out.as_deref().unwrap_or(&subject.folder))?;
+    let model = subject.model.as_ref();
+    let work = || -> Result<Vec<String>> {
+        let views = axis.views(&args.axes, &args.axes.angles.0);
+        let strip = axis.views(&args.axes, &[args.axes.strip]);
+        let all: Vec<View> = views.iter().chain(&strip).copied().collect();
+        let found = colours(model, &all, Polarization::Unpolarized, &viewing)?;
+        let shown = shown(&found, mapping)?;
+        let sweep = chart(args, &subject, &axis, &strip, &shown)?;
+        let (of_chart, of_strip) = shown.split_at(views.len());
+        let figures = vec![("sweep", sweep_figure(&sweep)?), ("strip", strip_figure(&sweep)?)];
+        let mut files = vec![("sweep.csv".to_owned(), colours_csv(&all, &found.colours, found.white, &shown)?)];
+        files.extend(chart_files(&drawn(figures)?));
+        folder.write(&files)?;
+        let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+        Ok(vec![
+            sweep.subtitle,
+            sampled(&found),
+            outside("chart", of_chart, mapping),
+            outside("strip", of_strip, mapping),
+            format!("{}: {}", folder.path().display(), names.join(" ")),
+        ])
+    };
+    let lines = work().inspect_err(|_| folder.abandon())?;
+    if !args.output.quiet {
+        output::print((lines.join("\n") + "\n").as_bytes())?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The structures across.
+struct Axis {
+    parameter: Parameter,
+    /// In the user's unit.
+    at: Vec<f64>,
+    structures: Vec<Structure>,
+    /// What follows, in words.
+    rule: String,
+}
+
+impl Axis {
+    fn of(args: &AxesArgs, subject: &Subject) -> Result<Self> {
+        let parameter = args.vary.parameter;
+        let Role::Free { lower, upper } = args.vary.role else {
+            return Err(Usage("--vary needs a range, such as d_air=35:200".to_owned()).into());
+        };
+        let (rule, links) = links(args, parameter, subject)?;
+        let inside = linspace(lower, upper, args.columns.into());
+        let base = values(&subject.structure);
+        let mut structures = Vec::with_capacity(inside.len());
+        for &value in &inside {
+            let mut one: [f64; COUNT] = base;
+            one[parameter.index()] = value;
+            for &(follower, factor, constant) in &links {
+                one[follower.index()] = factor * value + constant;
+            }
+            let one = structure(&one);
+            let narrow = |error| {
+                let value = parameter.outside(value);
+                Usage(format!("at {parameter} = {value:.4} {}: {error}; narrow --vary", parameter.unit()))
+            };
+            one.validate().map_err(narrow)?;
+            structures.push(one);
+        }
+        let at = inside.iter().map(|&value| parameter.outside(value)).collect();
+        Ok(Self { parameter, at, structures, rule })
+    }
+
+    /// Row by row, the first angle first.
+    fn views(&self, args: &AxesArgs, angles: &[f64]) -> Vec<View> {
+        let omega = radians(args.omega);
+        let geometry = |&angle: &f64| {
+            let (theta, phi) = match args.turn {
+                TurnWord::Mirror => (angle, -angle),
+                TurnWord::Phi => (args.at, angle),
+                TurnWord::Theta => (angle, args.at),
+            };
+            Geometry { theta: radians(theta), phi: radians(phi), omega }
+        };
+        let row = |geometry: Geometry| self.structures.iter().map(move |&structure| View { structure, geometry });
+        angles.iter().map(geometry).flat_map(row).collect()
+    }
+}
+
+type Link = (Parameter, f64, f64);
+
+/// What follows the parameter that varies: in words, and as factor and constant, inside.
+fn links(args: &AxesArgs, varied: Parameter, subject: &Subject) -> Result<(String, Vec<Link>)> {
+    let mut links = Vec::new();
+    for given in &args.link {
+        let Role::Linked { other, factor, constant } = given.role else { continue };
+        if other != varied || given.parameter == varied {
+            let message = format!("--link {}: only {varied} varies; let another parameter follow it", given.parameter);
+            return Err(Usage(message).into());
+        }
+        links.push((given.parameter, factor, constant));
+    }
+    if !links.is_empty() {
+        let name = |(parameter, factor, constant): &Link| format!("{parameter} = {factor:+} {varied} {constant:+}");
+        return Ok((links.iter().map(name).collect::<Vec<_>>().join(", "), links));
+    }
+    let Structure { d_air, d_cuticle, .. } = subject.structure;
+    let other = match varied {
+        Parameter::DAir => Parameter::DCuticle,
+        Parameter::DCuticle => Parameter::DAir,
+        _ => return Ok(("all others fixed".to_owned(), Vec::new())),
+    };
+    match args.keep {
+        KeepWord::Other => Ok((format!("{other} fixed"), Vec::new())),
+        KeepWord::Period => {
+            let period = d_air + d_cuticle;
+            Ok((format!("{other} = {period:.1} nm − {varied}"), vec![(other, -1.0, period)]))
+        }
+        KeepWord::OpticalSum => {
+            let media = subject.model.stack().media(INDEX_WAVELENGTH)?;
+            let (gap, cuticle) = (media.gap.re, media.cuticle.re);
+            let sum = gap * d_air + cuticle * d_cuticle;
+            let (own, others) = if varied == Parameter::DAir { (gap, cuticle) } else { (cuticle, gap) };
+            Ok((format!("optical sum {sum:.1} nm"), vec![(other, -own / others, sum / others)]))
+        }
+    }
+}
+
+fn shown(found: &Colours, mapping: GamutMapping) -> Result<Vec<Option<Shown>>> {
+    let display = RgbTransform::adapted(RgbSpace::Srgb, found.white)?;
+    let one = |colour: &Option<Xyz>| colour.map(|colour| display.show(colour, mapping)).transpose();
+    Ok(found.colours.iter().map(one).collect::<Result<_, _>>()?)
+}
+
+fn chart(args: &SweepArgs, subject: &Subject, axis: &Axis, strip: &[View], shown: &[Option<Shown>]) -> Result<Sweep> {
+    let cell = |shown: &Option<Shown>| shown.map(|shown| Cell { bytes: shown.bytes, outside: shown.outside });
+    let (chart, of_strip) = shown.split_at(shown.len() - strip.len());
+    let (y_label, strip_label) = match args.axes.turn {
+        TurnWord::Mirror => ("θ / °, φ = −θ".to_owned(), format!("θ = {0}°, φ = −{0}°", args.axes.strip)),
+        TurnWord::Phi => (
+            format!("viewing angle φ / °, θ = {}°", args.axes.at),
+            format!("θ = {}°, φ = {}°", args.axes.at, args.axes.strip),
+        ),
+        TurnWord::Theta => (
+            format!("incidence θ / °, φ = {}°", args.axes.at),
+            format!("θ = {}°, φ = {}°", args.axes.strip, args.axes.at),
+        ),
+    };
+    let (wavelengths, reflectivity) = reflectivity(subject.model.as_ref(), strip)?;
+    Ok(Sweep {
+        title: format!("{}: colour against {}, ω = {}°", subject.name, axis.parameter, args.axes.omega),
+        subtitle: format!("{}; here {}", subject.values(), axis.rule),
+        x_label: format!("{} / {}", axis.parameter, axis.parameter.unit()),
+        x: axis.at.clone(),
+        y_label,
+        y: args.axes.angles.0.clone(),
+        cells: chart.iter().map(cell).collect(),
+        strip_label: strip_label.replace("φ = −0°", "φ = 0°"),
+        strip: of_strip.iter().map(cell).collect(),
+        wavelengths,
+        reflectivity,
+        fits: marks(args, subject, axis.parameter)?,
+    })
+}
+
+/// Wavelengths, and the reflectivity of each column at each of them.
+fn reflectivity(model: &dyn ReflectivityModel, strip: &[View]) -> Result<(Vec<f64>, Vec<f64>)> {
+    let grid = Wavelengths::visible(REFLECTIVITY_STEP)?;
+    let columns = spectra(model, strip, Polarization::Unpolarized, &grid)?;
+    let at = |row: usize| columns.iter().map(move |column| column.as_ref().map_or(f64::NAN, |values| values[row]));
+    Ok((grid.iter().collect(), (0..grid.len()).flat_map(at).collect()))
+}
+
+/// The fit that is drawn, and the others that are to be marked.
+fn marks(args: &SweepArgs, subject: &Subject, parameter: Parameter) -> Result<Vec<FitMark>> {
+    let own = subject.fit.iter().map(|fit| Ok((subject.name.clone(), fit.clone())));
+    let others = args.axes.mark.iter().map(|path| crate::subject::read_fit(path));
+    let mut marks = Vec::new();
+    for found in own.chain(others) {
+        let (name, fit) = found?;
+        marks.extend(mark(&name, &fit, parameter));
+    }
+    Ok(marks)
+}
+
+fn mark(name: &str, fit: &FitOutcome, parameter: Parameter) -> Option<FitMark> {
+    let estimate = fit.parameters.each()[parameter.index()].1;
+    let value = estimate.value?;
+    let interval = estimate.interval_95.unwrap_or_default();
+    let unit = parameter.unit();
+    let told = match interval {
+        [Some(low), Some(high)] => format!(", 95 % from {low:.2} to {high:.2}"),
+        _ => String::new(),
+    };
+    Some(FitMark { name: format!("{name}: {value:.2} {unit}{told}"), value, interval })
+}
+
+/// Which wavelengths were used and why.
+fn sampled(found: &Colours) -> String {
+    let grid = found.sampling.wavelengths;
+    let (count, first, last, step) = (grid.len(), grid.first(), grid.last(), grid.step());
+    let head = format!("{count} wavelengths, {first} to {last} nm by {step} nm");
+    match (found.sampling.difference, found.sampling.difference_of_two) {
+        (Some(_), Some(two)) if grid.len() > 400 => {
+            format!(
+                "{head}: by 2 nm a colour would differ by ΔE₀₀ {two:.2}, so that 1 nm may not be fine enough either"
+            )
+        }
+        (Some(difference), _) => format!("{head}: colours within ΔE₀₀ {difference:.2} of those by 1 nm"),
+        (None, _) => format!("{head}, as asked for"),
+    }
+}
+
+fn outside(what: &str, shown: &[Option<Shown>], mapping: GamutMapping) -> String {
+    let (all, outside) = (shown.len(), shown.iter().flatten().filter(|shown| shown.outside).count());
+    let without = shown.iter().filter(|shown| shown.is_none()).count();
+    let treated = if outside > 0 { format!(": {}", mapping.wording()) } else { String::new() };
+    let none = if without > 0 { format!("; {without} have no colour in this model") } else { String::new() };
+    format!("{what}: {outside} of {all} colours are outside sRGB{treated}{none}")
+}

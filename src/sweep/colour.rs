@@ -1,0 +1,186 @@
+//! The colours of many structures and geometries.
+
+use super::sampling::Sampling;
+use crate::colorimetry::{ColourError, Illuminant, Integration, Observer, Xyz};
+use crate::geometry::{Geometry, Polarization};
+use crate::optics::{OpticsError, ReflectivityModel, Structure};
+use crate::spectrum::Wavelengths;
+use rayon::prelude::*;
+
+/// Spectra at most that the choice of wavelengths looks at.
+const PROBES: usize = 96;
+/// What the probes may differ by, as a part of the tolerance, where they do not show every view.
+const UNSEEN: f64 = 0.5;
+
+/// Who looks, in which light, and how fine the spectra are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Viewing {
+    /// The standard observer.
+    pub observer: Observer,
+    /// The light.
+    pub illuminant: Illuminant,
+    /// The wavelengths.
+    pub grid: Grid,
+}
+
+impl Default for Viewing {
+    fn default() -> Self {
+        Self { observer: Observer::Cie1931, illuminant: Illuminant::D65, grid: Grid::Within(0.5) }
+    }
+}
+
+/// Which wavelengths are used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Grid {
+    /// The coarsest whose colours are within this CIEDE2000 difference of those by 1 nm.
+    Within(f64),
+    /// These.
+    Of(Wavelengths),
+}
+
+/// One thing to look at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// The structure.
+    pub structure: Structure,
+    /// Where the light comes from and where it is seen.
+    pub geometry: Geometry,
+}
+
+/// The colours of views.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Colours {
+    /// One for each view, a perfect white having `Y = 1`; `None` where the model has no answer.
+    pub colours: Vec<Option<Xyz>>,
+    /// The perfect white.
+    pub white: Xyz,
+    /// The wavelengths that were used, and why.
+    pub sampling: Sampling,
+}
+
+/// Why there are no colours.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SweepError {
+    /// The model refuses a view.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    /// The light or a spectrum has no colour.
+    #[error(transparent)]
+    Colour(#[from] ColourError),
+}
+
+/// The colours of `views` as `model` reflects them, in their order, computed in parallel.
+///
+/// # Errors
+/// [`SweepError`] for a view out of range, or a light that does not cover the wavelengths.
+///
+/// ```
+/// use morpho_fit::geometry::{Geometry, Polarization};
+/// use morpho_fit::optics::{BlendModel, Structure};
+/// use morpho_fit::sweep::{View, Viewing, colours};
+/// let geometry = Geometry { theta: 0.0, phi: 0.0, omega: std::f64::consts::FRAC_PI_2 };
+/// let views = [View { structure: Structure::table1(), geometry }];
+/// let found = colours(&BlendModel::default(), &views, Polarization::Unpolarized, &Viewing::default())?;
+/// // Table 1 is yellow: more X and Y than Z.
+/// let table1 = found.colours[0].unwrap();
+/// assert!(table1.y > 0.8 && table1.z < 0.3);
+/// # Ok::<(), morpho_fit::sweep::SweepError>(())
+/// ```
+pub fn colours(
+    model: &dyn ReflectivityModel,
+    views: &[View],
+    polarization: Polarization,
+    viewing: &Viewing,
+) -> Result<Colours, SweepError> {
+    let (observer, illuminant) = (viewing.observer, &viewing.illuminant);
+    let sampling = match viewing.grid {
+        Grid::Of(wavelengths) => Sampling::given(wavelengths),
+        Grid::Within(tolerance) => {
+            let probes = probes(views);
+            let fine = Wavelengths::finest();
+            let spectra = spectra(model, &probes, polarization, &fine)?;
+            let spectra: Vec<Vec<f64>> = spectra.into_iter().flatten().collect();
+            let part = if probes.len() < views.len() { UNSEEN } else { 1.0 };
+            Sampling::coarsest(&spectra, observer, illuminant, part * tolerance)?
+        }
+    };
+    let integration = Integration::new(&sampling.wavelengths, observer, illuminant)?;
+    let spectra = spectra(model, views, polarization, &sampling.wavelengths)?;
+    let of = |spectrum: &Option<Vec<f64>>| spectrum.as_ref().map(|values| integration.xyz(values)).transpose();
+    let colours = spectra.iter().map(of).collect::<Result<_, _>>()?;
+    Ok(Colours { colours, white: integration.white(), sampling })
+}
+
+/// The reflectivity of each view at each wavelength; `None` where the model has no answer at one of them.
+///
+/// # Errors
+/// [`OpticsError`] for a view out of range.
+pub fn spectra(
+    model: &dyn ReflectivityModel,
+    views: &[View],
+    polarization: Polarization,
+    wavelengths: &Wavelengths,
+) -> Result<Vec<Option<Vec<f64>>>, OpticsError> {
+    let one = |view: &View| {
+        let at = |wavelength| model.reflectivity(&view.structure, &view.geometry, polarization, wavelength);
+        match wavelengths.iter().map(at).collect() {
+            Ok(spectrum) => Ok(Some(spectrum)),
+            Err(OpticsError::NoRefractedRay { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    };
+    views.par_iter().map(one).collect()
+}
+
+/// Views spread evenly over the list: by the golden ratio, so that rows and columns of a grid are all met.
+fn probes(views: &[View]) -> Vec<View> {
+    if views.len() <= PROBES {
+        return views.to_vec();
+    }
+    #[allow(clippy::cast_precision_loss, reason = "a share of a list")]
+    let share = |probe: usize| (probe as f64 * 0.618_033_988_749_895).fract();
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "below len"
+    )]
+    let spread = (0..PROBES - 2).filter_map(|probe| views.get((share(probe) * views.len() as f64) as usize));
+    spread.chain(views.first()).chain(views.last()).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::{BlendModel, PaperModel, Snell};
+    use crate::units::radians;
+
+    fn mirror(theta: f64) -> View {
+        let geometry = Geometry { theta: radians(theta), phi: radians(-theta), omega: radians(90.0) };
+        View { structure: Structure::blue(), geometry }
+    }
+
+    #[test]
+    fn a_chart_has_the_colours_of_its_cells_one_by_one() {
+        let views: Vec<View> = (0..150).map(|row| mirror(0.5 * f64::from(row))).collect();
+        let model = BlendModel::default();
+        let fine = Viewing { grid: Grid::Of(Wavelengths::finest()), ..Viewing::default() };
+        let light = Polarization::Unpolarized;
+        let all = colours(&model, &views, light, &fine).unwrap();
+        let one = colours(&model, &views[70..71], light, &fine).unwrap();
+        assert_eq!(all.colours[70], one.colours[0]);
+        let usual = colours(&model, &views, light, &Viewing::default()).unwrap();
+        assert!(usual.sampling.wavelengths.len() < 401);
+        assert!(usual.sampling.difference.unwrap() <= 0.25);
+    }
+
+    #[test]
+    fn where_the_printed_law_has_no_ray_there_is_no_colour() {
+        let printed = PaperModel { snell: Snell::Printed, ..PaperModel::default() };
+        let views = [mirror(30.0), mirror(60.0)];
+        let found = colours(&printed, &views, Polarization::Unpolarized, &Viewing::default()).unwrap();
+        assert!(found.colours[0].is_some() && found.colours[1].is_none());
+        assert!(colours(&printed, &[mirror(100.0)], Polarization::Unpolarized, &Viewing::default()).is_err());
+    }
+}
