@@ -20,6 +20,7 @@ mod illuminant;
 mod integration;
 mod lab;
 mod observer;
+mod printed;
 mod rgb;
 mod tristimulus;
 
@@ -29,5 +30,6 @@ pub use illuminant::{Illuminant, PowerTable};
 pub use integration::Integration;
 pub use lab::Lab;
 pub use observer::Observer;
+pub use printed::printed_rgb;
 pub use rgb::{RgbSpace, RgbTransform};
 pub use tristimulus::{XyY, Xyz};

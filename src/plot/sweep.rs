@@ -76,7 +76,8 @@ pub fn strip_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     check::count(CHART, "columns", (2, CELLS), sweep.x.len())?;
     check::length(CHART, "colours of the strip", sweep.x.len(), sweep.strip.len())?;
     let y_edges = vec![0.0, 1.0];
-    let panel = Panel { bare_y: true, y_label: sweep.strip_label.clone(), ..coloured(sweep, y_edges, &sweep.strip) };
+    let title = format!("at {}", sweep.strip_label);
+    let panel = Panel { bare_y: true, title, ..coloured(sweep, y_edges, &sweep.strip) };
     let outside: Vec<f64> = sweep.strip.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
     let marks = marks(&sweep.x, &[0.5], &outside);
     Ok(Figure {
