@@ -30,6 +30,7 @@ fn a_simulated_measurement_is_checked_and_fitted() {
         "curves.png",
         "curves.svg",
         "fit.json",
+        "report.html",
         "residuals.png",
         "residuals.svg",
     ];
@@ -42,6 +43,12 @@ fn a_simulated_measurement_is_checked_and_fitted() {
     assert_eq!(curves.lines().count(), 173);
     assert!(curves.starts_with("curve,wavelength_nm,theta_deg,phi_deg,omega_deg,polarization,intensity,sigma,model,"));
     assert!(fs::read(place.join("curves.png")).unwrap().starts_with(b"\x89PNG"));
+    let page = fs::read_to_string(place.join("report.html")).unwrap();
+    assert!(page.contains("<h1>All five parameters are determined</h1>") && page.contains("blue.csv"), "{page}");
+    assert_eq!(page.matches("<figure>").count(), 3);
+    // A page of an earlier fit does not stay beside the results of another.
+    succeeds(&folder, "blue.csv --no-plots");
+    assert_eq!(names(&place), ["curves.csv", "fit.json"]);
 }
 
 #[test]
