@@ -52,6 +52,24 @@ fn a_simulated_measurement_is_checked_and_fitted() {
 }
 
 #[test]
+fn names_in_the_data_are_text_in_the_page_and_in_its_charts() {
+    let folder = with_blue();
+    let csv = fs::read_to_string(folder.path().join("blue.csv")).unwrap();
+    write(&folder, "<i>&.csv", &csv.replace("spectrum at omega 0", "<script>alert(1)</script>&"));
+    assert_eq!(run_with(&folder, &["<i>&.csv", "--quiet", "--out", "here"]).code, 0);
+    let page = fs::read_to_string(folder.path().join("here/report.html")).unwrap();
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
+    let page = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    assert!(page.descendants().all(|node| !["script", "i"].contains(&node.tag_name().name())));
+    assert!(
+        page.descendants()
+            .any(|node| node.tag_name().name() == "th" && node.text() == Some("<script>alert(1)</script>&"))
+    );
+    let charts = page.descendants().filter(|node| node.tag_name().name() == "text").filter_map(|node| node.text());
+    assert!(charts.into_iter().any(|text| text.contains("<script>alert(1)")), "in the panel's heading");
+}
+
+#[test]
 fn the_json_on_standard_output_is_that_of_the_file() {
     let folder = with_blue();
     let ended = succeeds(&folder, "fit blue.csv --json --no-plots --out here");
