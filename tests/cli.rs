@@ -30,6 +30,7 @@ fn a_simulated_measurement_is_checked_and_fitted() {
         "curves.png",
         "curves.svg",
         "fit.json",
+        "report.html",
         "residuals.png",
         "residuals.svg",
     ];
@@ -42,6 +43,30 @@ fn a_simulated_measurement_is_checked_and_fitted() {
     assert_eq!(curves.lines().count(), 173);
     assert!(curves.starts_with("curve,wavelength_nm,theta_deg,phi_deg,omega_deg,polarization,intensity,sigma,model,"));
     assert!(fs::read(place.join("curves.png")).unwrap().starts_with(b"\x89PNG"));
+    let page = fs::read_to_string(place.join("report.html")).unwrap();
+    assert!(page.contains("<h1>All five parameters are determined</h1>") && page.contains("blue.csv"), "{page}");
+    assert_eq!(page.matches("<figure>").count(), 3);
+    // A page of an earlier fit does not stay beside the results of another.
+    succeeds(&folder, "blue.csv --no-plots");
+    assert_eq!(names(&place), ["curves.csv", "fit.json"]);
+}
+
+#[test]
+fn names_in_the_data_are_text_in_the_page_and_in_its_charts() {
+    let folder = with_blue();
+    let csv = fs::read_to_string(folder.path().join("blue.csv")).unwrap();
+    write(&folder, "<i>&.csv", &csv.replace("spectrum at omega 0", "<script>alert(1)</script>&"));
+    assert_eq!(run_with(&folder, &["<i>&.csv", "--quiet", "--out", "here"]).code, 0);
+    let page = fs::read_to_string(folder.path().join("here/report.html")).unwrap();
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
+    let page = roxmltree::Document::parse_with_options(&page, options).unwrap();
+    assert!(page.descendants().all(|node| !["script", "i"].contains(&node.tag_name().name())));
+    assert!(
+        page.descendants()
+            .any(|node| node.tag_name().name() == "th" && node.text() == Some("<script>alert(1)</script>&"))
+    );
+    let charts = page.descendants().filter(|node| node.tag_name().name() == "text").filter_map(|node| node.text());
+    assert!(charts.into_iter().any(|text| text.contains("<script>alert(1)")), "in the panel's heading");
 }
 
 #[test]

@@ -269,8 +269,12 @@ pub fn sigma_source(source: SigmaSource) -> &'static str {
 pub fn stiffness(outcome: &FitOutcome) -> String {
     let all = &outcome.identifiability.combinations;
     let (Some(stiff), Some(sloppy), true) = (all.first(), all.last(), all.len() > 1) else { return String::new() };
-    // Where the model misses the data these are not what is known.
-    if !answers(outcome) || outcome.sigma_source == SigmaSource::Widened {
+    // Where the model misses the data, or holds a part of them at values that nothing tells, these are not what is known.
+    let told = |(name, estimate): (&str, &Estimate)| {
+        estimate.value.is_some() || [stiff, sloppy].iter().all(|one| one.names.iter().all(|own| own != name))
+    };
+    let is_measure = outcome.sigma_source != SigmaSource::Widened && outcome.parameters.each().into_iter().all(told);
+    if !answers(outcome) || !is_measure {
         return String::new();
     }
     format!("stiffest: {}; sloppiest: {}", combination(stiff), combination(sloppy))
@@ -299,10 +303,11 @@ pub fn answers(outcome: &FitOutcome) -> bool {
     !matches!(outcome.verdict, Verdict::NotConverged | Verdict::NoThickness)
 }
 
-/// The sentence with a capital letter, unless it begins with the name of a parameter.
+/// The sentence with a capital letter, unless it begins with the name of a parameter or a symbol.
 #[must_use]
 pub fn capitalised(text: &str) -> String {
-    if text.split(' ').next().is_some_and(|word| word.contains('_') || word.trim_end_matches(',') == "delta") {
+    let is_name = |word: &str| word.contains('_') || ["delta", "chi²"].contains(&word.trim_end_matches(','));
+    if text.split(' ').next().is_some_and(is_name) {
         return text.to_owned();
     }
     let mut letters = text.chars();

@@ -2,6 +2,9 @@
 
 use super::markup::{element, escape, scrolled};
 
+/// Share of its size down to which the texts of a picture can be read; a narrower box scrolls.
+const READABLE: f64 = 0.55;
+
 /// A picture with what a reader should see in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chart<'a> {
@@ -64,11 +67,20 @@ impl<'a> Chart<'a> {
         // A declaration before the picture's own element may stand in a file, not in a page.
         let Some((_, rest)) = self.svg.split_once("<svg") else { return String::new() };
         let heading = escape(&self.heading);
-        let svg = format!("<svg role=\"img\" aria-label=\"{heading}\"{}\n", rest.trim_end());
+        let least =
+            own_width(rest).map(|width| format!(" style=\"--least:{:.0}px\"", READABLE * width)).unwrap_or_default();
+        let svg = format!("<svg role=\"img\" aria-label=\"{heading}\"{least}{}\n", rest.trim_end());
         let caption = if self.caption.is_empty() { String::new() } else { format!(" {}", escape(&self.caption)) };
         let caption = format!("<figcaption><b>{heading}.</b>{caption}</figcaption>\n");
         format!("<figure>\n{caption}{}</figure>\n", scrolled("chart", &self.heading, &svg))
     }
+}
+
+/// The width that an opening tag states, in pixels.
+fn own_width(tag: &str) -> Option<f64> {
+    let (tag, _) = tag.split_once('>')?;
+    let (_, width) = tag.split_once(" width=\"")?;
+    width.split_once('"')?.0.parse().ok().filter(|width: &f64| width.is_finite() && *width > 0.0)
 }
 
 /// A colour to show, such as that of the fitted layers under daylight.

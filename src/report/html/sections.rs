@@ -37,9 +37,12 @@ pub(super) fn parameters(outcome: &FitOutcome) -> String {
             statuses.push(estimate.status);
         }
     }
+    // With the names, for a screen that is too narrow for the table's last column.
     let word = |status: &Status| {
-        let (phrase, meaning) = (escape(status.phrase()), escape(wording::meaning(*status)));
-        format!("<dt>{phrase}</dt><dd>{meaning}</dd>\n")
+        let of = |(name, estimate): (&'static str, &Estimate)| (estimate.status == *status).then_some(name);
+        let names: Vec<&str> = parameters.into_iter().filter_map(of).collect();
+        let meaning = format!("{}: {}", wording::list(&names), wording::meaning(*status));
+        format!("<dt>{}</dt><dd>{}</dd>\n", escape(status.phrase()), escape(&meaning))
     };
     let words: String = statuses.iter().map(word).collect();
     let mut html = table("Parameters", &ESTIMATE, &rows);
@@ -128,7 +131,8 @@ pub(super) fn choice(outcome: &FitOutcome) -> String {
 }
 
 pub(super) fn advice(outcome: &FitOutcome) -> String {
-    let sentences: Vec<String> = outcome.advice.iter().map(|one| format!("{}.", wording::advice(one))).collect();
+    let sentences: Vec<String> =
+        outcome.advice.iter().map(|one| format!("{}.", wording::capitalised(&wording::advice(one)))).collect();
     let mut html = list("ol", &sentences);
     if let Some(first) = outcome.advice.first().filter(|first| wording::forecasts(first)) {
         let columns = [("quantity", Left), ("sigma now", Right), ("with the first", Right), ("unit", Left)];
@@ -153,7 +157,6 @@ pub(super) fn goodness(outcome: &FitOutcome) -> String {
         ("AICc", or_none(outcome.aicc)),
         ("BIC", plain(outcome.bic)),
         ("readings", outcome.data.readings.to_string()),
-        ("standard deviations", wording::sigma_source(outcome.sigma_source).to_owned()),
         ("correlation of neighbouring residuals", plain(outcome.residual_correlation)),
     ];
     if let Some(cost) = outcome.robust_cost {
@@ -199,7 +202,8 @@ pub(super) fn correlations(outcome: &FitOutcome) -> String {
                 size if size >= SHADED[0] => "number some",
                 _ => "number",
             };
-            format!("<td class=\"{class}\">{value:.2}</td>")
+            // -0.00 is 0.00
+            format!("<td class=\"{class}\">{:.2}</td>", (100.0 * value).round() / 100.0 + 0.0)
         };
         let cells: String = row.iter().enumerate().map(cell).collect();
         format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escape(name))
