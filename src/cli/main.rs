@@ -41,6 +41,7 @@ fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
         Some(Command::Check(args)) => commands::check::run(&args),
         Some(Command::Curves(args)) => commands::curves::run(&args),
         Some(Command::Sweep(args)) => commands::sweep::run(&args),
+        Some(Command::Paper(args)) => commands::paper::run(&args),
         Some(Command::Simulate(args)) => commands::simulate::run(&args, line),
     }
 }

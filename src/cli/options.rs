@@ -58,8 +58,11 @@ impl Problem {
 /// A file that is not there may be a mistyped word.
 fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     let name = path.to_string_lossy();
-    match nearest(&name, &["fit", "profile", "bootstrap", "sample", "check", "curves", "sweep", "simulate", "help"])
-        .filter(|_| !name.contains(['.', '/', '\\']))
+    match nearest(
+        &name,
+        &["fit", "profile", "bootstrap", "sample", "check", "curves", "sweep", "paper", "simulate", "help"],
+    )
+    .filter(|_| !name.contains(['.', '/', '\\']))
     {
         Some(word) => {
             Usage(format!("`{name}` is neither a file nor a command; did you mean `morpho-fit {word}`?")).into()

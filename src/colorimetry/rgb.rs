@@ -105,6 +105,23 @@ fn inverse(of: Matrix3<f64>) -> Matrix3<f64> {
     of.try_inverse().unwrap_or_else(Matrix3::zeros)
 }
 
+impl RgbSpace {
+    /// XYZ, under the space's own D65, of linear red, green and blue.
+    ///
+    /// ```
+    /// use morpho_fit::colorimetry::RgbSpace;
+    /// let white = RgbSpace::Srgb.xyz([1.0; 3])?;
+    /// assert!((white.y - 1.0).abs() < 1e-12);
+    /// # Ok::<(), morpho_fit::colorimetry::ColourError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ColourError::NotFinite`].
+    pub fn xyz(self, linear: [f64; 3]) -> Result<Xyz, ColourError> {
+        RgbTransform::new(self).under_own_white(linear).finite()
+    }
+}
+
 /// From XYZ to one RGB space: a matrix, with the adaptation to the space's white in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RgbTransform {

@@ -3,6 +3,7 @@
 mod choice;
 mod digits;
 pub mod html;
+pub mod paper;
 mod rows;
 pub mod swatches;
 mod table;

@@ -38,6 +38,16 @@ pub(crate) struct CurveArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct PaperArgs {
+    /// Folder of the page, made if it is missing.
+    #[arg(long, value_name = "DIR", default_value = "fits/paper")]
+    pub(crate) out: PathBuf,
+    /// Print nothing.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
     #[command(flatten)]
     pub(crate) subject: SubjectArgs,

@@ -8,7 +8,7 @@ mod structure;
 mod subject;
 mod words;
 
-pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, SweepArgs, ViewingArgs};
+pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;
 pub(crate) use problem::{LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
 pub(crate) use structure::StructureArgs;
@@ -75,6 +75,10 @@ pub(crate) enum Command {
     /// strip.svg, sweep.csv.
     #[command(args_override_self = true)]
     Sweep(SweepArgs),
+    /// Draw the figures and the table of the paper, as printed and right, with the differences in numbers: README.md and its
+    /// pictures.
+    #[command(args_override_self = true)]
+    Paper(PaperArgs),
     /// Write a CSV file as if it were measured, from known parameters, design and noise.
     #[command(args_override_self = true)]
     Simulate(SimulateArgs),

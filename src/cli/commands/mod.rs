@@ -4,6 +4,7 @@ pub(crate) mod check;
 pub(crate) mod curves;
 pub(crate) mod fit;
 mod intervals;
+pub(crate) mod paper;
 pub(crate) mod simulate;
 pub(crate) mod sweep;
 
