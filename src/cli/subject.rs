@@ -38,18 +38,24 @@ impl Subject {
         }
         let (name, outcome) = read_fit(path)?;
         let file = fit_file(path);
-        let Some(best) = outcome.minima.first() else {
+        let Some(mut subject) = Self::of_fit(&name, &outcome) else {
             return Err(BadData(format!("{}: the fit has no minimum", file.display())).into());
         };
-        let mut values = best.values;
+        subject.folder = file.parent().map(Path::to_owned).unwrap_or_default();
+        subject.structure = options::structure(&args.structure, subject.structure);
+        subject.structure.validate().with_context(|| file.display().to_string())?;
+        Ok(subject)
+    }
+
+    /// The best structure of a fit; none if it has no minimum.
+    pub(crate) fn of_fit(name: &str, outcome: &FitOutcome) -> Option<Self> {
+        let mut values = outcome.minima.first()?.values;
         for (value, parameter) in values.iter_mut().zip(Parameter::ALL) {
             *value = parameter.inside(*value);
         }
         let model = outcome.settings.model.build(outcome.settings.stack.clone());
-        let folder = file.parent().map(Path::to_owned).unwrap_or_default();
-        let structure = options::structure(&args.structure, structure(&values));
-        structure.validate().with_context(|| file.display().to_string())?;
-        Ok(Self { name, folder, structure, model, fit: Some(outcome) })
+        let (name, folder) = (name.to_owned(), PathBuf::new());
+        Some(Self { name, folder, structure: structure(&values), model, fit: Some(outcome.clone()) })
     }
 
     /// The five values in one line.

@@ -2,7 +2,7 @@
 
 use crate::args::{FitArgs, ModelWord, OutputArgs, UncertaintyWord};
 use crate::commands::intervals::{FILES, Intervals, Methods};
-use crate::commands::{chart_files, drawn};
+use crate::commands::{chart_files, drawn, sweep};
 use crate::exit::{Outcome, Usage};
 use crate::options::Problem;
 use crate::output::{self, Folder, WIDTH};
@@ -17,6 +17,7 @@ use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
 use morpho_fit::plot::{Figure, Picture};
 use morpho_fit::report::html::{Chart, page};
+use morpho_fit::report::swatches::swatches;
 use morpho_fit::report::{terminal, uncertainty, wording};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -75,7 +76,7 @@ fn place(args: &OutputArgs, file: &str) -> PathBuf {
 }
 
 /// Names of all charts, each with the ends .svg and .png.
-const PICTURES: [&str; 6] = ["curves", "residuals", "atlas", "profile", "corner", "trace"];
+const PICTURES: [&str; 7] = ["curves", "residuals", "atlas", "sweep", "profile", "corner", "trace"];
 /// The page that shows the fit with its charts.
 const PAGE: &str = "report.html";
 /// Cells of the map of chi², each way.
@@ -112,8 +113,8 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     let mut pictures = Vec::new();
     if !args.output.no_plots {
         tell("drawing the charts");
-        pictures = drawn(figures(data, &fit, &title)?)?;
-        files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
+        pictures = drawn(figures(data, &fit, &name, &title)?)?;
+        files.push((PAGE.to_owned(), report(&fit, &name, &pictures)?));
         files.extend(chart_files(&pictures));
     }
     let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
@@ -139,7 +140,7 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
         }
         names.extend(files.iter().map(|(name, _)| name.clone()));
         if !args.output.no_plots {
-            files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
+            files.push((PAGE.to_owned(), report(&fit, &name, &pictures)?));
         }
         files.push(("fit.json".to_owned(), json.clone()));
         folder.write(&files)?;
@@ -149,7 +150,7 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
 }
 
 /// The charts that every fit has.
-fn figures(data: &Dataset, fit: &Fit, title: &str) -> Result<Vec<(&'static str, Figure)>> {
+fn figures(data: &Dataset, fit: &Fit, name: &str, title: &str) -> Result<Vec<(&'static str, Figure)>> {
     let values = wording::values(&fit.outcome);
     let mut figures = vec![
         ("curves", curves_figure(data, fit, title, &values)),
@@ -160,13 +161,14 @@ fn figures(data: &Dataset, fit: &Fit, title: &str) -> Result<Vec<(&'static str, 
     {
         figures.push(("atlas", map_figure(&map, &fit.outcome, title)?));
     }
+    figures.extend(sweep::of_fit(name, &fit.outcome)?.map(|figure| ("sweep", figure)));
     Ok(figures)
 }
 
 /// The page with all pictures there are.
-fn report(fit: &Fit, file: &str, pictures: &[(&'static str, Picture)]) -> Vec<u8> {
+fn report(fit: &Fit, file: &str, pictures: &[(&'static str, Picture)]) -> Result<Vec<u8>> {
     let charts: Vec<Chart<'_>> = pictures.iter().map(|(name, picture)| Chart::named(name, &picture.svg)).collect();
-    page(&fit.outcome, file, &charts, &[]).into_bytes()
+    Ok(page(&fit.outcome, file, &charts, &swatches(&fit.outcome)?).into_bytes())
 }
 
 fn outcome(found: &FitOutcome) -> Outcome {

@@ -1,17 +1,19 @@
 //! `morpho-fit sweep`: colour against a parameter of the structure.
 
-use crate::args::{AxesArgs, KeepWord, SweepArgs, TurnWord};
+use crate::args::{AxesArgs, Cli, Command, KeepWord, SweepArgs, TurnWord};
 use crate::commands::{chart_files, drawn};
 use crate::exit::{Outcome, Usage};
 use crate::output::{self, Folder};
 use crate::subject::Subject;
 use crate::viewing::viewing;
 use anyhow::Result;
+use clap::Parser;
 use morpho_fit::colorimetry::{GamutMapping, RgbSpace, RgbTransform, Shown, Xyz};
 use morpho_fit::export::colours_csv;
 use morpho_fit::geometry::{Geometry, Polarization};
-use morpho_fit::inversion::{COUNT, FitOutcome, Parameter, Role, structure, values};
+use morpho_fit::inversion::{COUNT, FitOutcome, Parameter, Role, Verdict, structure, values};
 use morpho_fit::optics::{ReflectivityModel, Structure};
+use morpho_fit::plot::Figure;
 use morpho_fit::plot::sweep::{Cell, FitMark, Sweep, strip_figure, sweep_figure};
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::sweep::{Colours, View, colours, spectra};
@@ -22,39 +24,67 @@ use morpho_fit::units::radians;
 const INDEX_WAVELENGTH: f64 = 560.0;
 /// Step of the reflectivity beside the chart, nm.
 const REFLECTIVITY_STEP: f64 = 4.0;
+/// Ends of the gap in the chart of a fit, as parts of its period.
+const GAPS: (f64, f64) = (0.15, 0.985);
 
 pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
     let subject = Subject::read(&args.subject)?;
-    let (viewing, mapping) = viewing(&args.viewing)?;
-    let axis = Axis::of(&args.axes, &subject)?;
     let folder = Folder::open(args.output.out.as_deref().unwrap_or(&subject.folder))?;
-    let model = subject.model.as_ref();
     let work = || -> Result<Vec<String>> {
-        let views = axis.views(&args.axes, &args.axes.angles.0);
-        let strip = axis.views(&args.axes, &[args.axes.strip]);
-        let all: Vec<View> = views.iter().chain(&strip).copied().collect();
-        let found = colours(model, &all, Polarization::Unpolarized, &viewing)?;
-        let shown = shown(&found, mapping)?;
-        let sweep = chart(args, &subject, &axis, &strip, &shown)?;
-        let (of_chart, of_strip) = shown.split_at(views.len());
-        let figures = vec![("sweep", sweep_figure(&sweep)?), ("strip", strip_figure(&sweep)?)];
-        let mut files = vec![("sweep.csv".to_owned(), colours_csv(&all, &found.colours, found.white, &shown)?)];
+        let Swept { chart, lines, csv } = swept(args, &subject)?;
+        let figures = vec![("sweep", sweep_figure(&chart)?), ("strip", strip_figure(&chart)?)];
+        let mut files = vec![("sweep.csv".to_owned(), csv)];
         files.extend(chart_files(&drawn(figures)?));
         folder.write(&files)?;
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-        Ok(vec![
-            sweep.subtitle,
-            sampled(&found),
-            outside("chart", of_chart, mapping),
-            outside("strip", of_strip, mapping),
-            format!("{}: {}", folder.path().display(), names.join(" ")),
-        ])
+        Ok(lines.into_iter().chain([format!("{}: {}", folder.path().display(), names.join(" "))]).collect())
     };
     let lines = work().inspect_err(|_| folder.abandon())?;
     if !args.output.quiet {
         output::print((lines.join("\n") + "\n").as_bytes())?;
     }
     Ok(Outcome::Done)
+}
+
+/// The chart that `morpho-fit sweep` would draw of a fit: over the gap, with the period of the fit.
+pub(crate) fn of_fit(name: &str, outcome: &FitOutcome) -> Result<Option<Figure>> {
+    if matches!(outcome.verdict, Verdict::NoThickness | Verdict::NotConverged) {
+        return Ok(None);
+    }
+    let Some(subject) = Subject::of_fit(name, outcome) else { return Ok(None) };
+    let period = subject.structure.period();
+    let vary = format!("--vary=d_air={}:{}", GAPS.0 * period, GAPS.1 * period);
+    let Some(Command::Sweep(args)) = Cli::try_parse_from(["morpho-fit", "sweep", &vary])?.command else {
+        return Ok(None);
+    };
+    let chart = swept(&args, &subject)?.chart;
+    Ok(Some(sweep_figure(&Sweep { title: format!("{name}: colour against d_air, ω = 90°"), ..chart })?))
+}
+
+struct Swept {
+    chart: Sweep,
+    /// What a reader should know of it.
+    lines: Vec<String>,
+    csv: Vec<u8>,
+}
+
+fn swept(args: &SweepArgs, subject: &Subject) -> Result<Swept> {
+    let (viewing, mapping) = viewing(&args.viewing)?;
+    let axis = Axis::of(&args.axes, subject)?;
+    let views = axis.views(&args.axes, &args.axes.angles.0);
+    let strip = axis.views(&args.axes, &[args.axes.strip]);
+    let all: Vec<View> = views.iter().chain(&strip).copied().collect();
+    let found = colours(subject.model.as_ref(), &all, Polarization::Unpolarized, &viewing)?;
+    let shown = shown(&found, mapping)?;
+    let chart = chart(args, subject, &axis, &strip, &shown)?;
+    let (of_chart, of_strip) = shown.split_at(views.len());
+    let lines = vec![
+        chart.subtitle.clone(),
+        sampled(&found),
+        outside("chart", of_chart, mapping),
+        outside("strip", of_strip, mapping),
+    ];
+    Ok(Swept { chart, lines, csv: colours_csv(&all, &found.colours, found.white, &shown)? })
 }
 
 /// The structures across.

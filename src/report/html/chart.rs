@@ -17,7 +17,7 @@ pub struct Chart<'a> {
 }
 
 impl<'a> Chart<'a> {
-    /// The chart that a fit leaves under this name (`curves`, `residuals`, `atlas`, `profile`, `corner`, `trace`) with
+    /// The chart that a fit leaves under this name (`curves`, `residuals`, `atlas`, `sweep`, `profile`, `corner`, `trace`) with
     /// its caption; any other name becomes the heading, without a caption.
     ///
     /// ```
@@ -42,6 +42,11 @@ impl<'a> Chart<'a> {
                 "Map of chi² over the two thicknesses",
                 "Yellow fits well, dark does not; the black outline encloses what fits as well as the best, and the numbers \
                  are the minima that the search found.",
+            ),
+            "sweep" => (
+                "Colour against the gap",
+                "The colour in the mirror direction along the ridges as the gap changes and the period stays, and the \
+                 reflectivity at normal incidence; the upright lines are the fit and the ends of its 95 % interval.",
             ),
             "profile" => (
                 "Profile likelihood",

@@ -18,6 +18,7 @@ const CHART_SIZE: (f64, f64) = (400.0, 330.0);
 const RED: usize = 1;
 const GREEN: usize = 2;
 const BLUE: usize = 0;
+const BLACK: usize = 6;
 
 fn line(name: &str, x: &[f64], y: Vec<f64>, colour: usize) -> LineSeries {
     LineSeries { name: name.to_owned(), x: x.to_vec(), y, colour, ..LineSeries::default() }
@@ -38,7 +39,7 @@ pub(super) fn illuminant() -> Figure {
             name: "the paper's 37 wavelengths".to_owned(),
             y: power(&samples),
             x: samples,
-            colour: BLUE,
+            colour: BLACK,
             ..PointSeries::default()
         }],
         ..Panel::default()
@@ -156,8 +157,8 @@ pub(super) fn strips(gaps: &[f64], pairs: &[Pair]) -> Figure {
         ..Panel::default()
     };
     Figure {
-        title: "Fig. 16: colour against the thickness of the air layer, ω = 90°, θ = φ = 0°".to_owned(),
-        subtitle: "not the paper's green, blue, cyan to purple: no reading of its formulas gives those".to_owned(),
+        title: "Fig. 16: colour against the thickness of the air layer".to_owned(),
+        subtitle: "ω = 90°, θ = φ = 0°; not the paper's green, blue, cyan to purple".to_owned(),
         panels: vec![
             strip("as printed", pairs.iter().map(|pair| pair.printed).collect()),
             strip("right", pairs.iter().map(|pair| Some(pair.right)).collect()),

