@@ -93,7 +93,8 @@ mod tests {
                 let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
                 assert_eq!(cells.len(), 4);
                 assert_relative_eq!(cells[0], wavelength);
-                assert!(cells.iter().all(|cell| (0.0..=830.0).contains(cell)));
+                // Three of the published z of 1931 are rounding errors about 0.
+                assert!(cells[1..].iter().all(|cell| (-1e-21..2.1).contains(cell)));
                 wavelength += 1.0;
             }
             assert_relative_eq!(wavelength, 831.0);
