@@ -273,7 +273,7 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
 /// W6: the spectra at a step of `variant` nm, to encoded sRGB.
 pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
     let grid = Wavelengths::new(380.0, 740.0, variant.parse()?)?;
-    let count = workload["n_spectra"].as_u64().ok_or("no count")? as usize;
+    let count = usize::try_from(workload["n_spectra"].as_u64().ok_or("no count")?)?;
     let mut reflectances = Vec::with_capacity(count * grid.len());
     for spectrum in 0..count {
         let i = spectrum as f64;
@@ -300,7 +300,7 @@ pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
     let (mut worst, mut checked) = (0.0_f64, 0);
     for check in workload["checks"].as_array().ok_or("no checks")? {
         if check["step_nm"].as_f64() == Some(grid.step()) {
-            let at = check["i"].as_u64().ok_or("no index")? as usize;
+            let at = usize::try_from(check["i"].as_u64().ok_or("no index")?)?;
             for (channel, known) in found[at].iter().zip(numbers(&check["sRGB"])?) {
                 worst = worst.max((channel - known).abs());
             }

@@ -112,6 +112,7 @@ impl Wavelengths {
     }
 
     /// All points from the first, nm.
+    #[must_use]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = f64> + Clone + use<> {
         let grid = *self;
         (0..self.points).map(move |index| grid.at(index))

@@ -80,17 +80,13 @@ fn clipping_cuts_each_channel() {
 #[test]
 fn a_colour_that_fits_is_left_alone() {
     let white = RgbSpace::Srgb.white();
-    for linear in [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.2, 0.999, 0.001], [0.9, 0.01, 0.3]] {
+    for linear in [[0.0, 0.0, 0.0], [0.999, 0.999, 0.999], [0.2, 0.999, 0.001], [0.9, 0.01, 0.3]] {
         for space in SPACES {
             let transform = RgbTransform::adapted(space, white).unwrap();
-            // The printed matrix and its inverse differ in the fifth digit: on the edge of the gamut they may disagree.
-            let own = transform.linear(xyz(linear)).unwrap();
-            if own.iter().any(|channel| !(0.0..=1.0).contains(channel)) {
-                continue;
-            }
             let shown = transform.show(xyz(linear), GamutMapping::ReduceChroma).unwrap();
             assert!(!shown.outside);
-            assert_eq!(shown.encoded, transform.encoded(xyz(linear)).unwrap());
+            let encoded = transform.encoded(xyz(linear)).unwrap();
+            assert_eq!(shown.encoded.map(f64::to_bits), encoded.map(f64::to_bits), "{linear:?} {space:?}");
         }
     }
 }

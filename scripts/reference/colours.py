@@ -102,7 +102,7 @@ def main():
                     xyz = colour.sd_to_XYZ(sd, cmfs, power, method="Integration")
                     lab = colour.XYZ_to_Lab(xyz / 100, colour.XYZ_to_xy(white))
                     numbers = np.concatenate([xyz, lab, *rgb(xyz / 100, white)])
-                    row = [kind, *(f"{x:g}" for x in p), observer, light, *(f"{x:.8g}" for x in numbers)]
+                    row = [kind, *(f"{x:g}" for x in p), observer, light, *(f"{x:.10g}" for x in numbers)]
                     lines.append(",".join(row))
     OUT.write_text("\n".join(lines) + "\n")
 

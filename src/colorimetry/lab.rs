@@ -53,8 +53,8 @@ impl Lab {
 
     /// Colour difference CIEDE2000 with all weights 1; about 1 is just noticeable.
     ///
-    /// Symmetric, and continuous but where the hues are opposite. Finite for the colours of surfaces; not a number where
-    /// coordinates are not, or beyond 1e40.
+    /// Symmetric, and continuous but where the hues are opposite. Infinite where a coordinate is not a finite number or is so
+    /// large that the formula's seventh power of it is not.
     ///
     /// # Source
     /// Sharma, Wu, Dalal 2005, DOI 10.1002/col.20070; the formula is `palette`'s.
@@ -67,7 +67,8 @@ impl Lab {
     #[must_use]
     pub fn difference(self, other: Self) -> f64 {
         let of = |lab: Self| palette::Lab::<E, f64>::new(lab.l, lab.a, lab.b);
-        of(self).difference(of(other))
+        let difference = of(self).difference(of(other));
+        if difference.is_finite() { difference } else { f64::INFINITY }
     }
 }
 
@@ -84,6 +85,20 @@ mod tests {
         assert!(lab.a.abs() < 1e-12 && lab.b.abs() < 1e-12);
         let black = Lab::new(Xyz::default(), white).unwrap();
         assert!(black.l.abs() < 1e-12 && black.a.abs() < 1e-12 && black.b.abs() < 1e-12, "{black:?}");
+    }
+
+    #[test]
+    fn a_difference_is_never_no_number() {
+        let grey = Lab { l: 50.0, a: 0.0, b: 0.0 };
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+            for other in [Lab { l: bad, ..grey }, Lab { a: bad, ..grey }, Lab { b: bad, ..grey }] {
+                for difference in [grey.difference(other), other.difference(grey), other.difference(other)] {
+                    assert!(!difference.is_nan() && difference >= 0.0, "{other:?}: {difference}");
+                }
+                assert!(grey.difference(other) > 1e3);
+            }
+        }
+        assert!(grey.difference(grey).abs() < 1e-15);
     }
 
     #[test]

@@ -8,7 +8,7 @@
 //!
 //! Tables and formulas agree with `colour-science` 0.4.7 to 1e-9 (`tests/colour_reference.rs`). CIELAB, CIEDE2000 and Oklab
 //! are `palette`'s, which is right to that. Its RGB spaces are not used: their matrices are made from a white of other digits
-//! than the standards', which moves a channel by up to 3e-4. Neither are its encodings, whose power is too slow here.
+//! than the standards', which moves a channel by up to 5e-4. Neither are its encodings, whose power is too slow here.
 //!
 //! Left out: fluorescence, colour appearance beyond the adaptation to white, and observers other than the two standard
 //! ones.

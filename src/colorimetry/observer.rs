@@ -23,8 +23,7 @@ pub(super) fn rows<const N: usize>(table: &str) -> Vec<[f64; N]> {
 /// The value at `wavelength` of rows that begin at `first` and go on by `step`, linearly between them; 0 outside.
 pub(super) fn interpolated<const N: usize>(rows: &[[f64; N]], first: f64, step: f64, wavelength: f64) -> [f64; N] {
     let place = (wavelength - first) / step;
-    // Also where it is no number.
-    if !(place >= 0.0) {
+    if place.is_nan() || place < 0.0 {
         return [0.0; N];
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative; a large one saturates")]
@@ -94,7 +93,8 @@ mod tests {
                 let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
                 assert_eq!(cells.len(), 4);
                 assert_relative_eq!(cells[0], wavelength);
-                assert!(cells.iter().all(|cell| (0.0..=830.0).contains(cell)));
+                // Three of the published z of 1931 are rounding errors about 0.
+                assert!(cells[1..].iter().all(|cell| (-1e-21..2.1).contains(cell)));
                 wavelength += 1.0;
             }
             assert_relative_eq!(wavelength, 831.0);
@@ -120,7 +120,7 @@ mod tests {
         assert_relative_eq!(of(500.25)[1], 0.75 * of(500.0)[1] + 0.25 * of(501.0)[1], max_relative = 1e-15);
         assert!(of(830.0)[0] > 0.0 && of(360.0)[0] > 0.0);
         for outside in [359.999, 830.001, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert_eq!(of(outside), [0.0; 3]);
+            assert!(of(outside).iter().all(|value| value.abs() < f64::MIN_POSITIVE), "{outside}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! RGB spaces of displays, linear and encoded, from XYZ under any white.
 //!
 //! The matrix of sRGB is the standard's own, of four digits; those of Display P3 and Rec. 2020 follow from their
-//! primaries. `palette` has them from a white of other digits, up to 2e-4 apart from `colour-science`.
+//! primaries. `palette` has them from a white of other digits: up to 5e-4 of an encoded channel from `colour-science`.
 
 use super::encoding::{REC2020, SRGB, Transfer};
 use super::error::ColourError;
@@ -49,7 +49,7 @@ impl RgbSpace {
     /// ```
     #[must_use]
     pub fn white(self) -> Xyz {
-        let white = inverse(self.from_xyz()) * Vector3::repeat(1.0);
+        let white = inverse(self.matrix_from_xyz()) * Vector3::repeat(1.0);
         Xyz { x: white.x, y: white.y, z: white.z }
     }
 
@@ -79,7 +79,7 @@ impl RgbSpace {
     }
 
     /// The matrix from XYZ to linear RGB.
-    fn from_xyz(self) -> Matrix3<f64> {
+    fn matrix_from_xyz(self) -> Matrix3<f64> {
         match self {
             Self::Srgb => matrix(XYZ_TO_SRGB),
             Self::DisplayP3 => of_primaries([[0.680, 0.320], [0.265, 0.690], [0.150, 0.060]]),
@@ -133,7 +133,7 @@ impl RgbTransform {
     /// For colours that are given under the space's own D65: the matrix alone.
     #[must_use]
     pub fn new(space: RgbSpace) -> Self {
-        Self::from_matrix(space, &space.from_xyz())
+        Self::from_matrix(space, &space.matrix_from_xyz())
     }
 
     /// For colours under `white`, which becomes (1, 1, 1): what an eye adapted to that light sees on the display.
@@ -142,7 +142,8 @@ impl RgbTransform {
     /// RGB = M B⁻¹ diag(B white(space) / B white) B XYZ,   B: Bradford
     /// ```
     ///
-    /// A sampled D65 is adapted too: at 1 nm that moves a channel by 1e-4, at 10 nm by 4e-4, and white stays white.
+    /// A sampled D65 is adapted too: that moves a linear channel by up to 4e-4 at 1 nm and by 1e-3 at 10 nm, and white is
+    /// white.
     ///
     /// # Source
     /// Lam 1985, the Bradford transform, in the linear form of ICC.1:2022, annex E.
@@ -167,7 +168,7 @@ impl RgbTransform {
             return Err(ColourError::BadWhite { x, y, z });
         }
         let adaptation = inverse(bradford) * Matrix3::from_diagonal(&gains) * bradford;
-        Ok(Self::from_matrix(space, &(space.from_xyz() * adaptation)))
+        Ok(Self::from_matrix(space, &(space.matrix_from_xyz() * adaptation)))
     }
 
     fn from_matrix(space: RgbSpace, matrix: &Matrix3<f64>) -> Self {
@@ -202,7 +203,7 @@ impl RgbTransform {
 
     /// XYZ under the space's own white.
     pub(super) fn under_own_white(&self, linear: [f64; 3]) -> Xyz {
-        let xyz = inverse(self.space.from_xyz()) * Vector3::from(linear);
+        let xyz = inverse(self.space.matrix_from_xyz()) * Vector3::from(linear);
         Xyz { x: xyz.x, y: xyz.y, z: xyz.z }
     }
 
@@ -237,7 +238,7 @@ mod tests {
     /// Table of ITU-R BT.2020-2: `Y = 0.2627 R + 0.6780 G + 0.0593 B`.
     #[test]
     fn rec_2020_has_the_luma_of_its_standard() {
-        let rgb_to_xyz = inverse(RgbSpace::Rec2020.from_xyz());
+        let rgb_to_xyz = inverse(RgbSpace::Rec2020.matrix_from_xyz());
         for (column, printed) in [0.2627, 0.6780, 0.0593].into_iter().enumerate() {
             assert_relative_eq!(rgb_to_xyz[(1, column)], printed, epsilon = 5e-5);
         }

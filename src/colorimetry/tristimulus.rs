@@ -53,7 +53,7 @@ impl Xyz {
     pub fn chromaticity(self) -> Option<XyY> {
         let sum = self.x + self.y + self.z;
         let found = XyY { x: self.x / sum, y: self.y / sum, luminance: self.y };
-        (found.x.is_finite() && found.y.is_finite() && found.luminance.is_finite()).then_some(found)
+        (sum.is_finite() && found.x.is_finite() && found.y.is_finite()).then_some(found)
     }
 
     /// The colour itself, if its values are finite.
