@@ -23,7 +23,7 @@ use morpho_fit::units::radians;
 /// Wavelength at which the indices of the optical sum are taken, nm, as the fit does.
 const INDEX_WAVELENGTH: f64 = 560.0;
 /// Step of the reflectivity beside the chart, nm.
-const REFLECTIVITY_STEP: f64 = 4.0;
+const REFLECTIVITY_STEP: f64 = 5.0;
 /// Ends of the gap in the chart of a fit, as parts of its period.
 const GAPS: (f64, f64) = (0.15, 0.985);
 
@@ -54,7 +54,8 @@ pub(crate) fn of_fit(name: &str, outcome: &FitOutcome) -> Result<Option<Figure>>
     let Some(subject) = Subject::of_fit(name, outcome) else { return Ok(None) };
     let period = subject.structure.period();
     let vary = format!("--vary=d_air={}:{}", GAPS.0 * period, GAPS.1 * period);
-    let Some(Command::Sweep(args)) = Cli::try_parse_from(["morpho-fit", "sweep", &vary])?.command else {
+    let line = ["morpho-fit", "sweep", "--columns=67", "--angles=0:75:2.5", &vary];
+    let Some(Command::Sweep(args)) = Cli::try_parse_from(line)?.command else {
         return Ok(None);
     };
     let chart = swept(&args, &subject)?.chart;
