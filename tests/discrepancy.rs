@@ -36,11 +36,14 @@ fn the_mean_admittance_at_steep_angles_is_flagged_and_period_and_sum_are_held() 
 
 #[test]
 fn layers_that_differ_are_flagged_and_period_and_sum_are_held() {
-    for (source, count) in [(Source::Ensemble, 24), (Source::Single, 24)] {
-        let cases = cases(source, Design::Full, count);
+    // Spectra of thick layers have fringes narrower than their steps, whose residuals look like noise.
+    let studies = [(Source::Ensemble, Design::Full), (Source::Single, Design::Full), (Source::Ensemble, Design::Angles)];
+    for (source, design) in studies {
+        let count = 24;
+        let cases = cases(source, design, count);
         let flagged: Vec<&Case> = cases.iter().filter(|case| is_flagged(case)).collect();
-        assert!(flagged.len() >= count * 2 / 3, "{source:?}: {} of {count} flagged", flagged.len());
-        assert_held(&format!("{source:?}"), &flagged, count / 2);
+        assert!(flagged.len() >= count * 2 / 3, "{source:?}, {design:?}: {} of {count} flagged", flagged.len());
+        assert_held(&format!("{source:?}, {design:?}"), &flagged, count / 2);
     }
 }
 

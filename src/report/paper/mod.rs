@@ -20,9 +20,9 @@ use crate::units::radians;
 /// Trees in Table 1.
 const RIDGES: f64 = 50.0;
 /// Incidences of the chart of Fig. 16, degrees, with the view in the mirror direction.
-const ANGLES: usize = 76;
+const ANGLES: usize = 51;
 /// Columns of the chart.
-const COLUMNS: usize = 111;
+const COLUMNS: usize = 56;
 
 /// Everything that the page needs.
 #[derive(Debug, Clone, PartialEq)]

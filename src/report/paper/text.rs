@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Wavelengths whose lobes are told, nm.
 const LOBES: [f64; 7] = [400.0, 420.0, 440.0, 460.0, 470.0, 480.0, 500.0];
 /// Incidence at which the printed chart looks most like the paper's words, degrees.
-const NEAREST: f64 = 28.0;
+const NEAREST: f64 = 27.0;
 /// Along the ridges.
 const ALONG: f64 = std::f64::consts::FRAC_PI_2;
 
@@ -168,7 +168,7 @@ fn figure_16(text: &mut String, gaps: &[f64], chart: &[Pair]) -> Result<(), Pape
     let _ = write!(
         text,
         "\nNearest to the paper's words comes the printed chart at {NEAREST:.0}° in the mirror direction, where Snell's law \
-         upside down has moved every peak by some 150 nm: from d_air 35 to 200 nm it runs {}, green over cyan to blue, but \
+         upside down has moved the peaks towards blue: from d_air 35 to 200 nm it runs {}, green over cyan to blue, but \
          not to purple. The paper does not say at which angle its figure was drawn.\n",
         nearest.join(", ")
     );
