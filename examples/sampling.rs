@@ -155,13 +155,18 @@ fn main() -> Result<(), Failure> {
         ("angles.csv", &scenes, by_angle(&scenes)),
         ("charts.csv", &of_charts, by_step(&of_charts)),
     ] {
-        let head = format!("# {} structures of a Latin hypercube with seed {SEED}; examples/sampling.rs\n", scenes.len());
+        let head =
+            format!("# {} structures of a Latin hypercube with seed {SEED}; examples/sampling.rs\n", scenes.len());
         let text = head + &table;
         print!("{text}");
         std::fs::write(folder.join(name), text)?;
     }
     let above = |scene: &&Scene| scene.views.iter().any(|view| view.1 >= LIMIT);
-    println!("{} scenes and {} charts have a view at {LIMIT} or more", count_of(&scenes, above), count_of(&of_charts, above));
+    println!(
+        "{} scenes and {} charts have a view at {LIMIT} or more",
+        count_of(&scenes, above),
+        count_of(&of_charts, above)
+    );
     Ok(())
 }
 

@@ -33,8 +33,7 @@ fn rows(table: &str) -> Vec<Vec<f64>> {
 
 #[test]
 fn the_committed_tables_hold_the_limit() {
-    let tables =
-        [(include_str!("sampling/sampling.csv"), STRUCTURES), (include_str!("sampling/charts.csv"), CHARTS)];
+    let tables = [(include_str!("sampling/sampling.csv"), STRUCTURES), (include_str!("sampling/charts.csv"), CHARTS)];
     for (table, structures) in tables {
         let rows = rows(table);
         assert!((rows.iter().map(|row| row[2]).sum::<f64>() - structures as f64).abs() < 0.5);
