@@ -4,6 +4,8 @@ use crate::output;
 use morpho_fit::dataset::Findings;
 use morpho_fit::inversion::{FitError, SettingsError};
 use morpho_fit::optics::OpticsError;
+use morpho_fit::report::paper::PaperError;
+use morpho_fit::sweep::SweepError;
 use morpho_fit::synthetic::SimulationError;
 use std::error::Error;
 use std::io;
@@ -90,6 +92,12 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
         return Some(BAD_DATA);
     }
     if let Some(error) = cause.downcast_ref::<OpticsError>() {
+        return Some(code_of_optics(error));
+    }
+    if let Some(SweepError::Optics(error)) = cause.downcast_ref() {
+        return Some(code_of_optics(error));
+    }
+    if let Some(PaperError::Sweep(SweepError::Optics(error))) = cause.downcast_ref() {
         return Some(code_of_optics(error));
     }
     if let Some(error) = cause.downcast_ref::<SimulationError>() {

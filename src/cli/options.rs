@@ -197,7 +197,7 @@ pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
 
 /// The preset that is named.
 pub(crate) fn preset(args: &StructureArgs) -> Structure {
-    match args.preset {
+    match args.preset.unwrap_or(PresetWord::Blue) {
         PresetWord::Blue => Structure::blue(),
         PresetWord::Table1 => Structure::table1(),
     }

@@ -1,6 +1,6 @@
 //! What the drawing commands draw: the structure of a fit with its stack and model, or a known one.
 
-use crate::args::{LAYERS, ModelWord, SubjectArgs};
+use crate::args::{LAYERS, ModelWord, PresetWord, SubjectArgs};
 use crate::exit::{BadData, Usage};
 use crate::{options, output};
 use anyhow::{Context, Result};
@@ -29,12 +29,17 @@ impl Subject {
         let Some(path) = &args.fit else {
             let structure = options::structure(&args.structure, options::preset(&args.structure));
             let model = options::model(&args.model)?.build(options::stack(&args.model)?);
-            let name = args.structure.preset.name();
+            let name = args.structure.preset.unwrap_or(PresetWord::Blue).name();
             let folder = Path::new("fits").join(name);
             return Ok(Self { name: format!("preset {name}"), folder, structure, model, fit: None });
         };
         if let Some(flag) = of_the_model(args) {
             return Err(Usage(format!("{flag} is in the fit already, with the rest of its model; leave it out")).into());
+        }
+        if args.structure.preset.is_some() {
+            return Err(
+                Usage("--preset is another structure than that of the fit; leave one of them out".into()).into()
+            );
         }
         let (name, outcome) = read_fit(path)?;
         let file = fit_file(path);

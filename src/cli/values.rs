@@ -62,6 +62,17 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| if value >= 0.0 { Ok(value) } else { Err(format!("{value} is below 0")) })
 }
 
+/// An angle of incidence or of view, degrees.
+pub(crate) fn angle(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    within_angles(value).map(|()| value)
+}
+
+/// Whether light can come from, or go to, an angle in degrees.
+pub(crate) fn within_angles(value: f64) -> Result<(), String> {
+    if value.abs() <= 90.0 { Ok(()) } else { Err(format!("{value} is not within -90 to 90 degrees")) }
+}
+
 /// A whole number from 100 to 100 million.
 pub(crate) fn count(text: &str) -> Result<usize, String> {
     match text.trim().parse::<usize>() {

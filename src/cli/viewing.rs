@@ -5,7 +5,8 @@ use crate::exit::{BadData, Usage};
 use crate::output;
 use anyhow::Result;
 use csv::{ReaderBuilder, Trim};
-use morpho_fit::colorimetry::{GamutMapping, Illuminant, PowerTable};
+use morpho_fit::colorimetry::{GamutMapping, Illuminant, Integration, PowerTable, RgbSpace, RgbTransform};
+use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::sweep::{Grid, Viewing};
 use std::path::Path;
 
@@ -15,6 +16,10 @@ pub(crate) fn viewing(args: &ViewingArgs) -> Result<(Viewing, GamutMapping)> {
         GridChoice::Of(wavelengths) => Grid::Of(wavelengths),
     };
     let viewing = Viewing { observer: args.observer.value(), illuminant: illuminant(&args.illuminant)?, grid };
+    let used = if let Grid::Of(wavelengths) = grid { wavelengths } else { Wavelengths::finest() };
+    let white = Integration::new(&used, viewing.observer, &viewing.illuminant).map(|integration| integration.white());
+    let display = white.and_then(|white| RgbTransform::adapted(RgbSpace::Srgb, white));
+    display.map_err(|error| BadData(format!("{}: {error}", args.illuminant)))?;
     Ok((viewing, args.gamut.value()))
 }
 

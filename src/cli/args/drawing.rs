@@ -4,8 +4,12 @@ use crate::args::{GamutWord, KeepWord, ObserverWord, SubjectArgs, TurnWord};
 use crate::scans::{self, Values};
 use crate::values::{self, Given};
 use clap::Args;
+use morpho_fit::plot::sweep::CELLS;
 use morpho_fit::spectrum::Wavelengths;
 use std::path::PathBuf;
+
+/// Largest step of wavelengths, nm: beyond it a white is no white.
+const COARSEST: f64 = 40.0;
 
 #[derive(Debug, Args)]
 pub(crate) struct CurvesArgs {
@@ -24,15 +28,16 @@ pub(crate) struct CurveArgs {
     #[arg(long, value_name = "NM", value_parser = list)]
     pub(crate) wavelength: Option<Values>,
     /// Incidence of the curves over the viewing angle, degrees [default: 0, or that of the data].
-    #[arg(long, value_name = "DEG", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = values::angle, allow_negative_numbers = true)]
     pub(crate) theta: Option<f64>,
     /// Planes: 0 lies across the ridges, 90 along them; at most 4 [default: 0|45|90, or those of the data].
-    #[arg(long, value_name = "DEG", value_parser = list)]
+    #[arg(long, value_name = "DEG", value_parser = list, allow_hyphen_values = true)]
     pub(crate) omega: Option<Values>,
     /// Incidences of the spectra, degrees, each viewed in the mirror direction, at most 8.
-    #[arg(long, value_name = "DEG", value_parser = list, default_value = "0:60:15", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = angles, default_value = "0:60:15", allow_hyphen_values = true)]
     pub(crate) spectra: Values,
-    /// Draw these readings beside the model: a CSV file as the fit reads it. They are divided by the scale of the fit.
+    /// Draw these readings beside the model: a CSV file as the fit reads it. The model is drawn as
+    /// strong as the fit found it, without the background, which is taken off the readings. Polarized readings are left out.
     #[arg(long, value_name = "DATA.csv")]
     pub(crate) data: Option<PathBuf>,
 }
@@ -79,17 +84,17 @@ pub(crate) struct AxesArgs {
     /// or the incidence at a fixed view.
     #[arg(long, value_name = "WORD", default_value = "mirror")]
     pub(crate) turn: TurnWord,
-    /// Angles upwards, degrees.
-    #[arg(long, value_name = "DEG", value_parser = list, default_value = "0:75:1", allow_negative_numbers = true)]
+    /// Angles upwards, degrees, rising, 2 to 1000 of them.
+    #[arg(long, value_name = "DEG", value_parser = rows, default_value = "0:75:1", allow_hyphen_values = true)]
     pub(crate) angles: Values,
     /// The fixed angle, degrees.
-    #[arg(long, value_name = "DEG", value_parser = values::number, default_value = "0", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = values::angle, default_value = "0", allow_negative_numbers = true)]
     pub(crate) at: f64,
     /// Plane: 0 lies across the ridges, 90 along them, degrees.
     #[arg(long, value_name = "DEG", value_parser = values::number, default_value = "90", allow_negative_numbers = true)]
     pub(crate) omega: f64,
     /// Angle of the strip, degrees.
-    #[arg(long, value_name = "DEG", value_parser = values::number, default_value = "0", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = values::angle, default_value = "0", allow_negative_numbers = true)]
     pub(crate) strip: f64,
     /// Mark what a fit found for the parameter across, with its 95 % interval: fit.json or its folder. May be repeated. The
     /// fit that is drawn is marked anyway.
@@ -110,8 +115,8 @@ pub(crate) struct ViewingArgs {
     #[arg(long, value_name = "WORD", default_value = "reduce-chroma")]
     pub(crate) gamut: GamutWord,
     /// Wavelengths: `auto` takes the coarsest grid that --max-difference allows, `paper` 380 to 740 nm by 10, a number 380 to
-    /// 780 nm by so many nm.
-    #[arg(long, value_name = "auto|paper|NM", default_value = "auto", value_parser = grid)]
+    /// 780 nm by so many nm, at most 40.
+    #[arg(long, value_name = "auto|paper|NM", default_value = "auto", value_parser = grid, allow_negative_numbers = true)]
     pub(crate) wavelengths: GridChoice,
     /// Largest CIEDE2000 difference to spectra by 1 nm that `auto` allows.
     #[arg(long, value_name = "DELTA_E", default_value = "0.5", value_parser = values::positive)]
@@ -120,6 +125,25 @@ pub(crate) struct ViewingArgs {
 
 fn list(text: &str) -> Result<Values, String> {
     scans::values(text)
+}
+
+fn angles(text: &str) -> Result<Values, String> {
+    let values = list(text)?;
+    values.0.iter().try_for_each(|&value| values::within_angles(value))?;
+    Ok(values)
+}
+
+/// Angles of the rows of a chart.
+fn rows(text: &str) -> Result<Values, String> {
+    let values = angles(text)?;
+    let count = values.0.len();
+    if !(2..=CELLS).contains(&count) {
+        return Err(format!("a chart has 2 to {CELLS} rows, here are {count}"));
+    }
+    match values.0.windows(2).find(|pair| pair[0] >= pair[1]) {
+        Some(pair) => Err(format!("{} is not above {}; the angles of a chart rise", pair[1], pair[0])),
+        None => Ok(values),
+    }
 }
 
 /// Which wavelengths are asked for.
@@ -135,6 +159,9 @@ fn grid(text: &str) -> Result<GridChoice, String> {
         "paper" => Ok(GridChoice::Of(Wavelengths::paper())),
         step => {
             let step = values::number(step).map_err(|error| format!("{error}, `auto` or `paper`"))?;
+            if step > COARSEST {
+                return Err(format!("by more than {COARSEST} nm there is no colour, here by {step} nm"));
+            }
             Wavelengths::visible(step).map(GridChoice::Of).map_err(|error| error.to_string())
         }
     }

@@ -8,9 +8,9 @@ use clap::Args;
 #[command(next_help_heading = "Structure")]
 pub(crate) struct StructureArgs {
     /// Structure that the parameters below change: a blue Morpho (air 141 nm, cuticle 62 nm) or Table 1 of the paper (135 nm,
-    /// 100 nm); both with delta 2.5 deg, phi_alpha 0.5 rad, lamella_width 300 nm.
-    #[arg(long, value_name = "WORD", default_value = "blue")]
-    pub(crate) preset: PresetWord,
+    /// 100 nm); both with delta 2.5 deg, phi_alpha 0.5 rad, lamella_width 300 nm [default: blue].
+    #[arg(long, value_name = "WORD")]
+    pub(crate) preset: Option<PresetWord>,
     /// Thickness of one air gap, nm.
     #[arg(long, value_name = "NM", value_parser = values::not_negative, allow_negative_numbers = true)]
     pub(crate) d_air: Option<f64>,

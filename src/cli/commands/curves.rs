@@ -105,11 +105,16 @@ fn over_angle(data: &Dataset) -> Vec<&Reading> {
             && same(degrees(one.geometry.omega), degrees(other.geometry.omega))
     };
     let is_scan = |reading: &&Reading| data.readings().iter().filter(|other| still(reading, other)).count() > 2;
-    data.readings().iter().filter(is_scan).collect()
+    data.readings().iter().filter(|reading| is_drawn(reading)).filter(is_scan).collect()
 }
 
 fn same(one: f64, other: f64) -> bool {
     (one - other).abs() < SAME
+}
+
+/// The model is drawn for light that is not polarized.
+fn is_drawn(reading: &Reading) -> bool {
+    reading.polarization == Polarization::Unpolarized
 }
 
 /// Each value once, in rising order.
@@ -217,8 +222,12 @@ impl Drawing<'_> {
         still: impl Fn(&Reading) -> bool,
         abscissa: impl Fn(&Reading) -> f64,
     ) -> Named {
-        let found: Vec<&Reading> =
-            self.data.iter().flat_map(|data| data.readings()).filter(|reading| still(reading)).collect();
+        let found: Vec<&Reading> = self
+            .data
+            .iter()
+            .flat_map(|data| data.readings())
+            .filter(|reading| is_drawn(reading) && still(reading))
+            .collect();
         Named {
             name,
             terms: curve.terms.clone(),

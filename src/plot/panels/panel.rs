@@ -101,6 +101,10 @@ impl<'a> Measured<'a> {
             if self.panel.bare_y {
                 bare(&mut y_axis);
             }
+            // Upwards a strip of colours has no axis at all.
+            if self.panel.bare_y && self.panel.colours.is_some() {
+                y_axis.ticks.clear();
+            }
             for tick in &mut x_axis.ticks {
                 let (middle, half) = (tick.place * plot_width, width(&tick.label)? / 2.0);
                 if middle - half < -overhang || middle + half > plot_width + overhang {
