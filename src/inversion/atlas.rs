@@ -240,10 +240,21 @@ pub fn chi_square_map(data: &Dataset, fit: &Fit, cells: usize) -> Result<Option<
     costs.sort_by(f64::total_cmp);
     let polished = costs.get(costs.len() / POLISHED).copied().unwrap_or(f64::INFINITY);
     let jobs: Vec<([f64; 4], Cell)> = corners.into_iter().zip(grid).collect();
+    // With the other parameters of the best fit, too: where no thickness matters their grid is too coarse for all cells.
+    let beside = |corner: &[f64; 4]| -> Option<f64> {
+        let free = &solution.searched.freedom.free;
+        let place = |parameter: Parameter| free.iter().position(|other| *other == parameter);
+        let mut moved = best.parameters.clone();
+        moved[place(Parameter::DAir)?] = 0.5 * (corner[0] + corner[1]);
+        moved[place(Parameter::DCuticle)?] = 0.5 * (corner[2] + corner[3]);
+        let cost = Problem::new(&thin, &solution.searched, &[]).residuals(&moved).norm_squared();
+        cost.is_finite().then_some(cost)
+    };
     let least = |(corner, cell): &([f64; 4], Cell)| {
         let excess = |cost: f64| ((cost - reference) * factor).max(0.0);
+        let moved = beside(corner).unwrap_or(f64::INFINITY);
         if !cell.cost.is_finite() || cell.cost > polished {
-            return excess(cell.cost);
+            return excess(cell.cost.min(moved));
         }
         let mut roles = roles;
         roles[Parameter::DAir.index()] = Role::Free { lower: corner[0], upper: corner[1] };
@@ -251,7 +262,7 @@ pub fn chi_square_map(data: &Dataset, fit: &Fit, cells: usize) -> Result<Option<
         let Ok(space) = Space::new(&roles) else { return excess(cell.cost) };
         let problem = Problem::new(&thin, &space, &[]);
         let found = minimise(&problem, &space.bounds.clamp(&space.freedom.restrict(&cell.values)), COARSE);
-        excess(found.sum_of_squares().min(cell.cost))
+        excess(found.sum_of_squares().min(cell.cost).min(moved))
     };
     let flat: Vec<f64> = jobs.par_iter().map(least).collect();
     let excess = flat.chunks(cells).map(<[f64]>::to_vec).collect();

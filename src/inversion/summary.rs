@@ -116,7 +116,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     }
     if (missed || structured) && !by_chance {
         let times = missed.then(|| reduced.sqrt());
-        let correlation = structured.then_some(correlation_of_residuals.value);
+        let agree = told && correlation_of_residuals.deviations > STRUCTURED;
+        let correlation = agree.then_some(correlation_of_residuals.value);
         warnings.push(wording::missed(times, correlation, bent, widened_by));
     }
     if let Some(worst) = warnings::outlier(found, &readings, chi2).filter(|_| missed || by_chance) {
@@ -274,6 +275,22 @@ fn verdict(found: &Found<'_>, estimates: &[Estimate; COUNT], derived: &Derived) 
     }
 }
 
+/// Sentences of the held directions. What a parameter has in common with one that is open by itself is open as well.
+fn undetermined(held: &[&Held], ratio: f64) -> Vec<String> {
+    let open: Vec<Parameter> = (held.iter().filter(|held| held.direction.len() == 1))
+        .filter_map(|held| held.direction.first().map(|(parameter, _)| *parameter))
+        .collect();
+    let sentence = |held: &&Held| {
+        let parts: Vec<Parameter> = held.direction.iter().map(|(parameter, _)| *parameter).collect();
+        let rest: Vec<&str> = parts.iter().filter(|part| !open.contains(part)).map(|part| part.name()).collect();
+        match rest.as_slice() {
+            [name] if parts.len() == 2 => format!("{name} cannot be told apart from what is open besides"),
+            _ => wording::undetermined(held, ratio),
+        }
+    };
+    held.iter().map(sentence).collect()
+}
+
 fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
     let jacobian = &found.minima[0].triangle / unit;
     let analysis = Identifiability::new(&jacobian, &found.searched.ranges);
@@ -285,7 +302,7 @@ fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
         free: found.searched.freedom.free.iter().map(|parameter| parameter.name().to_owned()).collect(),
         rank: found.searched.freedom.free.len() - found.held.len(),
         condition: Some(analysis.condition).filter(|condition| condition.is_finite()),
-        undetermined: held.into_iter().map(|held| wording::undetermined(held, ratio)).collect(),
+        undetermined: undetermined(&held, ratio),
         combinations: combinations(found.solution, unit),
     }
 }

@@ -45,9 +45,15 @@ pub(crate) fn missed(times: Option<f64>, correlation: Option<f64>, bent: bool, w
         format!(": neighbouring residuals agree (correlation {correlation:.2}), which noise does not make")
     });
     let how = if bent {
+        // Residuals that look like noise may be noise that was stated too small.
+        let guess = if correlation.is_none() && times.is_some() {
+            " (or the stated sigma is too small: leave a guessed one out)"
+        } else {
+            ""
+        };
         format!(
             "the standard deviations are widened {widened_by:.1} times, by that and by how far the answer moves as parts of \
-             the data are left out, and the split of the layers depends on the model"
+             the data are left out, and the split of the layers depends on the model{guess}"
         )
     } else {
         "the standard deviations are widened by that factor, and the split of the layers depends on the model (or the \

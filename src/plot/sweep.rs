@@ -12,6 +12,8 @@ const STRIP_SIZE: (f64, f64) = (720.0, 96.0);
 const CHART_SIZE: (f64, f64) = (470.0, 400.0);
 /// Marks of colours outside the gamut stand in every so many-th column and row.
 const MARKS: usize = 22;
+/// Part of the width below which an end of an interval would touch its value.
+const APART: f64 = 0.008;
 const BLACK: usize = 6;
 /// Colours of the marks of fits, which must be seen on any colour.
 const FITS: [usize; 4] = [6, 1, 4, 3];
@@ -35,6 +37,8 @@ pub struct Sweep {
     pub cells: Vec<Option<Cell>>,
     /// What the strip shows, such as `θ = 0°`.
     pub strip_label: String,
+    /// What became of the colours outside sRGB, for the legend.
+    pub outside: String,
     /// Colours of the strip.
     pub strip: Vec<Option<Cell>>,
     /// Wavelengths of the reflectivity that belongs to the strip, nm, ascending.
@@ -79,7 +83,7 @@ pub fn strip_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     let title = format!("at {}", sweep.strip_label);
     let panel = Panel { bare_y: true, title, ..coloured(sweep, y_edges, &sweep.strip) };
     let outside: Vec<f64> = sweep.strip.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
-    let marks = marks(&sweep.x, &[0.5], &outside);
+    let marks = marks(&sweep.x, &[0.5], &outside, &sweep.outside);
     Ok(Figure {
         title: sweep.title.clone(),
         subtitle: sweep.subtitle.clone(),
@@ -109,9 +113,10 @@ pub fn sweep_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     let mut chart = coloured(sweep, edges_around(&sweep.y), &sweep.cells);
     chart.y_label.clone_from(&sweep.y_label);
     chart.title = "colour".to_owned();
-    chart.points = marks(&sweep.x, &sweep.y, &outside);
+    chart.points = marks(&sweep.x, &sweep.y, &outside, &sweep.outside);
     let (x, y) = contour(&sweep.x, &sweep.y, &outside, 0.5);
-    chart.lines.push(LineSeries { x, y, colour: BLACK, width: 1.0, ..LineSeries::default() });
+    let name = if chart.points.is_empty() { String::new() } else { "edge of sRGB".to_owned() };
+    chart.lines.push(LineSeries { name, x, y, colour: BLACK, width: 1.0, ..LineSeries::default() });
     let heat = HeatMap {
         x_edges: edges_around(&sweep.x),
         y_edges: edges_around(&sweep.wavelengths),
@@ -125,7 +130,7 @@ pub fn sweep_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
         x_label: sweep.x_label.clone(),
         y_label: "wavelength / nm".to_owned(),
         heat: Some(heat),
-        vertical_lines: upright(&sweep.fits),
+        vertical_lines: upright(&sweep.fits, &sweep.x),
         ..Panel::default()
     };
     Ok(Figure {
@@ -142,7 +147,7 @@ fn coloured(sweep: &Sweep, y_edges: Vec<f64>, cells: &[Option<Cell>]) -> Panel {
     Panel {
         x_label: sweep.x_label.clone(),
         colours: Some(ColourGrid { x_edges: edges_around(&sweep.x), y_edges, colours }),
-        vertical_lines: upright(&sweep.fits),
+        vertical_lines: upright(&sweep.fits, &sweep.x),
         ..Panel::default()
     }
 }
@@ -151,35 +156,40 @@ fn is_outside(cell: &Option<Cell>) -> bool {
     cell.is_some_and(|cell| cell.outside)
 }
 
-/// Dots where colours are outside the gamut.
-fn marks(x: &[f64], y: &[f64], outside: &[f64]) -> Vec<PointSeries> {
+/// Dots where colours are outside the gamut: at every so many-th cell, and in the middle of each run in a row that has none.
+fn marks(x: &[f64], y: &[f64], outside: &[f64], name: &str) -> Vec<PointSeries> {
     let every = |count: usize| count.div_ceil(MARKS).max(1);
     let (across, up) = (every(x.len()), every(y.len()));
-    let mut dots = PointSeries {
-        name: "outside sRGB: shown with less chroma".to_owned(),
-        colour: BLACK,
-        ..PointSeries::default()
-    };
-    for (row, &y) in y.iter().enumerate().skip(up / 2).step_by(up) {
-        for (column, &value) in x.iter().enumerate().skip(across / 2).step_by(across) {
-            if outside.get(row * x.len() + column).is_some_and(|&outside| outside > 0.5) {
-                dots.x.push(value);
-                dots.y.push(y);
+    let mut dots = PointSeries { name: name.to_owned(), colour: BLACK, ..PointSeries::default() };
+    let rows = y.iter().zip(outside.chunks(x.len().max(1)));
+    for (&y, row) in rows.skip(up / 2).step_by(up) {
+        let mut start = 0;
+        while start < row.len() {
+            let length = row[start..].iter().take_while(|&&outside| outside > 0.5).count();
+            let columns = start..start + length;
+            let mut marked: Vec<usize> = columns.clone().filter(|column| column % across == across / 2).collect();
+            if marked.is_empty() && length > 0 {
+                marked.push(start + length / 2);
             }
+            dots.x.extend(marked.iter().filter_map(|&column| x.get(column)));
+            dots.y.extend(marked.iter().map(|_| y));
+            start += length.max(1);
         }
     }
     if dots.x.is_empty() { Vec::new() } else { vec![dots] }
 }
 
-/// A line at the value of each fit, and dashed ones at the ends of its interval.
-fn upright(fits: &[FitMark]) -> Vec<VerticalLine> {
-    let lines = fits.iter().zip(FITS.into_iter().cycle()).flat_map(|(fit, colour)| {
-        let value = VerticalLine { name: fit.name.clone(), x: fit.value, colour, dashed: false };
-        let ends = fit.interval.into_iter().flatten();
-        let ends = ends.map(move |x| VerticalLine { name: String::new(), x, colour, dashed: true });
-        std::iter::once(value).chain(ends)
-    });
-    lines.collect()
+/// A line at the value of each fit, and dashed ones at the ends of its interval where they stand apart from it.
+fn upright(fits: &[FitMark], x: &[f64]) -> Vec<VerticalLine> {
+    let width = x.last().zip(x.first()).map_or(0.0, |(last, first)| last - first);
+    let mut lines = Vec::new();
+    for (fit, colour) in fits.iter().zip(FITS.into_iter().cycle()) {
+        lines.push(VerticalLine { name: fit.name.clone(), x: fit.value, colour, dashed: false });
+        for end in fit.interval.into_iter().flatten().filter(|end| (end - fit.value).abs() > APART * width) {
+            lines.push(VerticalLine { name: "ends of the interval".to_owned(), x: end, colour, dashed: true });
+        }
+    }
+    lines
 }
 
 #[cfg(test)]
@@ -193,6 +203,7 @@ mod tests {
             x: vec![100.0, 120.0, 140.0],
             y: vec![0.0, 30.0],
             cells: vec![cell(true), cell(false), None, cell(true), cell(true), cell(false)],
+            outside: "outside sRGB".into(),
             strip: vec![cell(true), None, cell(false)],
             wavelengths: vec![400.0, 500.0],
             reflectivity: vec![0.1, f64::NAN, 0.2, 0.4, 0.3, 0.0],

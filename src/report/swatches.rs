@@ -3,7 +3,7 @@
 use super::html::Swatch;
 use crate::colorimetry::{GamutMapping, Lab, RgbSpace, RgbTransform};
 use crate::geometry::{Geometry, Polarization};
-use crate::inversion::{COUNT, FitOutcome, Parameter, Verdict, structure};
+use crate::inversion::{COUNT, FitOutcome, Parameter, Role, Verdict, structure};
 use crate::numerics::quantile::{NINETY_FIVE, quantile};
 use crate::optics::{ReflectivityModel, Structure};
 use crate::sweep::{Colours, SweepError, View, Viewing, colours};
@@ -12,6 +12,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::FRAC_PI_2;
 
 /// Incidences of the swatches in the mirror direction along the ridges, degrees.
 const ALONG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
@@ -20,11 +21,13 @@ const DRAWS: usize = 200;
 /// Other minima that fit as well whose colour is shown.
 const OTHERS: usize = 4;
 
-/// The colours of the best structure along the ridges in the mirror direction, across them at normal incidence, and of other
-/// minima that fit as well: CIE 1931 observer, D65, sRGB with the chroma lowered where it must be.
+/// The colours of the best structure along the ridges in the mirror direction of its layers, `phi = 2 delta - theta`; across
+/// them at normal incidence; and of other minima that fit as well: CIE 1931 observer, D65, sRGB with the chroma lowered where
+/// it must be.
 ///
-/// The note of each says how far 95 % of structures drawn from the covariance, within the bounds, look from it (CIEDE2000).
-/// Empty where the fit determines no thickness. The strength is the model's own, without the fitted scale.
+/// Only what the fit determines has a colour: along the ridges that takes both thicknesses and the tilt, across them the
+/// period. The note of each says how far 95 % of structures drawn from the covariance, within the bounds, look from it
+/// (CIEDE2000). The strength is the model's own, without the fitted scale.
 ///
 /// # Errors
 /// [`SweepError`] if the model has no value for the structure.
@@ -35,43 +38,49 @@ pub fn swatches(outcome: &FitOutcome) -> Result<Vec<Swatch>, SweepError> {
     }
     let model = outcome.settings.model.build(outcome.settings.stack.clone());
     let spread = draws(outcome, &best.values);
+    let with_spread = || std::iter::once(inside(&best.values)).chain(spread.iter().copied());
     let mut swatches = Vec::new();
-    for (name, geometry) in views() {
-        let structures = std::iter::once(inside(&best.values)).chain(spread.iter().copied());
-        let found = seen(model.as_ref(), structures, geometry)?;
-        let note = sureness(&found)? + &held(outcome);
-        swatches.extend(swatch(name, &found, 0, &note)?);
+    if shows_the_multilayer(outcome) {
+        for theta in ALONG {
+            let found = seen(model.as_ref(), with_spread().map(|structure| along(structure, theta)))?;
+            let name = format!("along the ridges, θ = {theta}°, mirrored");
+            swatches.extend(swatch(name, &found, &sureness(&found)?)?);
+        }
+        let others = outcome.minima.iter().enumerate().skip(1).filter(|(_, minimum)| minimum.fits).take(OTHERS);
+        for (place, minimum) in others {
+            let found = seen(model.as_ref(), std::iter::once(along(inside(&minimum.values), 0.0)))?;
+            let note = format!("d_air {:.0} nm, d_cuticle {:.0} nm fit as well", minimum.values[0], minimum.values[1]);
+            swatches.extend(swatch(format!("minimum {} along the ridges, θ = 0°", place + 1), &found, &note)?);
+        }
     }
-    let normal = Geometry { theta: 0.0, phi: 0.0, omega: radians(90.0) };
-    let others = outcome.minima.iter().enumerate().skip(1).filter(|(_, minimum)| minimum.fits).take(OTHERS);
-    for (place, minimum) in others {
-        let found = seen(model.as_ref(), std::iter::once(inside(&minimum.values)), normal)?;
-        let note = format!("d_air {:.0} nm, d_cuticle {:.0} nm fit as well", minimum.values[0], minimum.values[1]);
-        swatches.extend(swatch(format!("minimum {} along the ridges, θ = 0°", place + 1), &found, 0, &note)?);
+    if outcome.derived.period.value.is_some() {
+        let across = Geometry { theta: 0.0, phi: 0.0, omega: 0.0 };
+        let found = seen(model.as_ref(), with_spread().map(|structure| View { structure, geometry: across }))?;
+        swatches.extend(swatch("across the ridges, θ = 0°".to_owned(), &found, &sureness(&found)?)?);
     }
     Ok(swatches)
 }
 
-fn views() -> Vec<(String, Geometry)> {
-    let along = ALONG.map(|theta| {
-        let geometry = Geometry { theta: radians(theta), phi: radians(-theta), omega: radians(90.0) };
-        (format!("along the ridges, θ = {theta}°, φ = {}°", -theta + 0.0).replace('-', "−"), geometry)
-    });
-    let across = ("across the ridges, θ = 0°, φ = 0°".to_owned(), Geometry { theta: 0.0, phi: 0.0, omega: 0.0 });
-    along.into_iter().chain([across]).collect()
+/// Whether the fit gives both thicknesses and the tilt: without them the multilayer has no colour of its own.
+#[must_use]
+pub fn shows_the_multilayer(outcome: &FitOutcome) -> bool {
+    let has_value = |parameter: Parameter| outcome.parameters.each()[parameter.index()].1.value.is_some();
+    [Parameter::DAir, Parameter::DCuticle, Parameter::Delta].into_iter().all(has_value)
+}
+
+/// In the mirror direction of the layers, where the width of their lobe does not count.
+fn along(structure: Structure, theta: f64) -> View {
+    let theta = radians(theta);
+    let phi = (2.0 * structure.delta - theta).clamp(-FRAC_PI_2, FRAC_PI_2);
+    View { structure, geometry: Geometry { theta, phi, omega: FRAC_PI_2 } }
 }
 
 fn inside(values: &[f64; COUNT]) -> Structure {
     structure(&std::array::from_fn(|j| Parameter::ALL[j].inside(values[j])))
 }
 
-fn seen(
-    model: &dyn ReflectivityModel,
-    structures: impl Iterator<Item = Structure>,
-    geometry: Geometry,
-) -> Result<Colours, SweepError> {
-    let views: Vec<View> = structures.map(|structure| View { structure, geometry }).collect();
-    colours(model, &views, Polarization::Unpolarized, &Viewing::default())
+fn seen(model: &dyn ReflectivityModel, views: impl Iterator<Item = View>) -> Result<Colours, SweepError> {
+    colours(model, &views.collect::<Vec<View>>(), Polarization::Unpolarized, &Viewing::default())
 }
 
 /// How far the colours after the first look from it.
@@ -79,22 +88,15 @@ fn sureness(found: &Colours) -> Result<String, SweepError> {
     let labs = found.colours.iter().flatten().map(|colour| Lab::new(*colour, found.white));
     let labs = labs.collect::<Result<Vec<Lab>, _>>()?;
     let Some((first, rest)) = labs.split_first().filter(|(_, rest)| !rest.is_empty()) else {
-        return Ok("how sure the fit does not tell".to_owned());
+        return Ok("the fit does not tell how sure".to_owned());
     };
     let mut far: Vec<f64> = rest.iter().map(|other| first.difference(*other)).collect();
     far.sort_by(f64::total_cmp);
     Ok(format!("95 % within ΔE₀₀ {:.1}", quantile(&far, NINETY_FIVE).unwrap_or_default()))
 }
 
-/// Parameters that no draw moves because the data leave them open.
-fn held(outcome: &FitOutcome) -> String {
-    let is_held = |name: &&String| !outcome.covariance.names.contains(name);
-    let names: Vec<&str> = outcome.identifiability.free.iter().filter(is_held).map(String::as_str).collect();
-    if names.is_empty() { String::new() } else { format!(" with {} held", names.join(", ")) }
-}
-
-fn swatch(name: String, found: &Colours, place: usize, note: &str) -> Result<Option<Swatch>, SweepError> {
-    let Some(Some(colour)) = found.colours.get(place) else { return Ok(None) };
+fn swatch(name: String, found: &Colours, note: &str) -> Result<Option<Swatch>, SweepError> {
+    let Some(Some(colour)) = found.colours.first() else { return Ok(None) };
     let shown = RgbTransform::adapted(RgbSpace::Srgb, found.white)?.show(*colour, GamutMapping::default())?;
     let outside = if shown.outside { "; outside sRGB, shown with less chroma" } else { "" };
     let note = format!("Y = {:.2}, {note}{outside}", colour.y);
@@ -120,7 +122,13 @@ fn draws(outcome: &FitOutcome, best: &[f64; COUNT]) -> Vec<Structure> {
             let moved = best[parameter] + step;
             values[parameter] = bounds[parameter].map_or(moved, |[low, high]| moved.clamp(low, high));
         }
-        inside(&values)
+        let mut inside: [f64; COUNT] = std::array::from_fn(|j| Parameter::ALL[j].inside(values[j]));
+        for (follower, role) in outcome.settings.roles.iter().enumerate() {
+            if let Role::Linked { other, factor, constant } = *role {
+                inside[follower] = factor * inside[other.index()] + constant;
+            }
+        }
+        structure(&inside)
     };
     (0..DRAWS).map(one).filter(|structure| structure.validate().is_ok()).collect()
 }
@@ -142,6 +150,9 @@ mod tests {
         let [red, green, blue] = found[0].colour;
         assert!(blue > green && green > red, "{:?}", found[0]);
         assert!(found[0].note.contains("95 % within"), "{}", found[0].note);
+        let mut open = outcome.clone();
+        open.parameters.d_air.value = None;
+        assert_eq!(swatches(&open).unwrap().len(), 1, "across the ridges alone: no colour of an arbitrary thickness");
         outcome.verdict = Verdict::NoThickness;
         assert_eq!(swatches(&outcome).unwrap(), []);
     }

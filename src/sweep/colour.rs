@@ -116,9 +116,11 @@ pub fn colours(
         }
     };
     let integration = Integration::new(&sampling.wavelengths, observer, illuminant)?;
-    let spectra = spectra(model, views, polarization, &sampling.wavelengths)?;
-    let of = |spectrum: &Option<Vec<f64>>| spectrum.as_ref().map(|values| integration.xyz(values)).transpose();
-    let colours = spectra.iter().map(of).collect::<Result<_, _>>()?;
+    let one = |view: &View| -> Result<Option<Xyz>, SweepError> {
+        let spectrum = spectrum(model, view, polarization, &sampling.wavelengths)?;
+        Ok(spectrum.map(|values| integration.xyz(&values)).transpose()?)
+    };
+    let colours = views.par_iter().map(one).collect::<Result<_, _>>()?;
     Ok(Colours { colours, white: integration.white(), sampling })
 }
 
@@ -132,15 +134,21 @@ pub fn spectra(
     polarization: Polarization,
     wavelengths: &Wavelengths,
 ) -> Result<Vec<Option<Vec<f64>>>, OpticsError> {
-    let one = |view: &View| {
-        let at = |wavelength| model.reflectivity(&view.structure, &view.geometry, polarization, wavelength);
-        match wavelengths.iter().map(at).collect() {
-            Ok(spectrum) => Ok(Some(spectrum)),
-            Err(OpticsError::NoRefractedRay { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
-    };
-    views.par_iter().map(one).collect()
+    views.par_iter().map(|view| spectrum(model, view, polarization, wavelengths)).collect()
+}
+
+fn spectrum(
+    model: &dyn ReflectivityModel,
+    view: &View,
+    polarization: Polarization,
+    wavelengths: &Wavelengths,
+) -> Result<Option<Vec<f64>>, OpticsError> {
+    let at = |wavelength| model.reflectivity(&view.structure, &view.geometry, polarization, wavelength);
+    match wavelengths.iter().map(at).collect() {
+        Ok(spectrum) => Ok(Some(spectrum)),
+        Err(OpticsError::NoRefractedRay { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// Views spread evenly over the list: by the golden ratio, so that rows and columns of a grid are all met.

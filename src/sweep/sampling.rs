@@ -13,6 +13,8 @@ pub struct Sampling {
     pub wavelengths: Wavelengths,
     /// Largest CIEDE2000 difference to the grid of 1 nm among the spectra that were compared; none if none were.
     pub difference: Option<f64>,
+    /// How many spectra were compared.
+    pub compared: usize,
     /// Largest difference between grids of 1 and 2 nm: where it is large, 1 nm may be too coarse as well.
     pub difference_of_two: Option<f64>,
 }
@@ -21,7 +23,7 @@ impl Sampling {
     /// A grid that was asked for.
     #[must_use]
     pub fn given(wavelengths: Wavelengths) -> Self {
-        Self { wavelengths, difference: None, difference_of_two: None }
+        Self { wavelengths, difference: None, compared: 0, difference_of_two: None }
     }
 
     /// The coarsest grid from 380 to 780 nm on which every one of `spectra` has the colour that it has on the grid of 1 nm,
@@ -73,13 +75,14 @@ impl Sampling {
             if difference > tolerance {
                 break;
             }
-            chosen = Some(Self { wavelengths, difference: Some(difference), difference_of_two });
             if spectra.is_empty() {
                 break;
             }
+            chosen =
+                Some(Self { wavelengths, difference: Some(difference), compared: spectra.len(), difference_of_two });
         }
         let mut chosen = chosen.unwrap_or(Self::given(Wavelengths::finest()));
-        chosen.difference_of_two = difference_of_two;
+        chosen.difference_of_two = difference_of_two.filter(|_| !spectra.is_empty());
         Ok(chosen)
     }
 }
@@ -106,7 +109,8 @@ mod tests {
     #[test]
     fn no_spectrum_and_a_wrong_one() {
         let of = |spectra: &[Vec<f64>]| Sampling::coarsest(spectra, Observer::Cie1964, &Illuminant::E, 0.5);
-        assert_eq!(of(&[]).unwrap().wavelengths.len(), 401);
+        let none = of(&[]).unwrap();
+        assert_eq!((none.wavelengths.len(), none.difference, none.compared), (401, None, 0));
         assert!(of(&[vec![0.5; 400]]).is_err());
         assert!(of(&[vec![f64::NAN; 401]]).is_err());
     }

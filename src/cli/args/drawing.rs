@@ -115,8 +115,8 @@ pub(crate) struct ViewingArgs {
     #[arg(long, value_name = "WORD", default_value = "reduce-chroma")]
     pub(crate) gamut: GamutWord,
     /// Wavelengths: `auto` takes the coarsest grid that --max-difference allows, `paper` 380 to 740 nm by 10, a number 380 to
-    /// 780 nm by so many nm, at most 40.
-    #[arg(long, value_name = "auto|paper|NM", default_value = "auto", value_parser = grid, allow_negative_numbers = true)]
+    /// 780 nm by so many nm, at most 40; 400:700:5 where an index or a lamp is known from 400 to 700 nm only.
+    #[arg(long, value_name = "auto|paper|NM|FIRST:LAST:NM", default_value = "auto", value_parser = grid, allow_negative_numbers = true)]
     pub(crate) wavelengths: GridChoice,
     /// Largest CIEDE2000 difference to spectra by 1 nm that `auto` allows.
     #[arg(long, value_name = "DELTA_E", default_value = "0.5", value_parser = values::positive)]
@@ -157,6 +157,13 @@ fn grid(text: &str) -> Result<GridChoice, String> {
     match text {
         "auto" => Ok(GridChoice::Auto),
         "paper" => Ok(GridChoice::Of(Wavelengths::paper())),
+        range if range.contains(':') => {
+            let parts = range.split(':').map(values::number).collect::<Result<Vec<f64>, _>>()?;
+            let [first, last, step] = parts.as_slice() else {
+                return Err(format!("`{range}` is not FIRST:LAST:STEP, such as 400:700:5"));
+            };
+            Wavelengths::new(*first, *last, *step).map(GridChoice::Of).map_err(|error| error.to_string())
+        }
         step => {
             let step = values::number(step).map_err(|error| format!("{error}, `auto` or `paper`"))?;
             if step > COARSEST {
@@ -170,7 +177,8 @@ fn grid(text: &str) -> Result<GridChoice, String> {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct DrawingArgs {
-    /// Folder of the charts, made if it is missing [default: the folder of the fit, or fits/<name of the preset>].
+    /// Folder of the charts, made if it is missing [default: one named after the command in the folder of the fit, or in
+    /// fits/<name of the preset>].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Print no report and no progress.

@@ -1,9 +1,9 @@
 //! `morpho-fit curves`: intensity over the viewing angle for several wavelengths, and spectra at several angles.
 
 use crate::args::{CurveArgs, CurvesArgs};
-use crate::commands::{chart_files, drawn};
+use crate::commands::{chart_files, drawn, refuse_to_replace};
 use crate::exit::{Outcome, Usage};
-use crate::output::{self, Folder};
+use crate::output::{self, Folder, WIDTH};
 use crate::scans::Values;
 use crate::subject::Subject;
 use anyhow::Result;
@@ -13,6 +13,7 @@ use morpho_fit::geometry::{Geometry, Polarization};
 use morpho_fit::inversion::FitOutcome;
 use morpho_fit::optics::OpticsError;
 use morpho_fit::plot::angular::{Bundle, Named, curves_chart, polar_chart};
+use morpho_fit::report::terminal;
 use morpho_fit::sweep::Curve;
 use morpho_fit::synthetic::linspace;
 use morpho_fit::units::{degrees, radians};
@@ -32,8 +33,12 @@ pub(crate) fn run(args: &CurvesArgs) -> Result<Outcome> {
     });
     let data = data.transpose()?;
     let wanted = Wanted::of(&args.curves, data.as_ref())?;
-    let folder = Folder::open(args.output.out.as_deref().unwrap_or(&subject.folder))?;
+    let folder = Folder::open(&args.output.out.clone().unwrap_or_else(|| subject.folder.join("curves")))?;
     let drawing = Drawing { subject: &subject, data: data.as_ref(), strength: Strength::of(subject.fit.as_ref()) };
+    let per_curve = subject.fit.iter().flat_map(|fit| &fit.nuisance).any(|nuisance| nuisance.name.contains(" of "));
+    if per_curve && data.is_some() {
+        output::complain("the fit has a scale or background for each curve: the model is drawn at scale 1");
+    }
     let (curves, bundles) = drawing.all(&wanted).inspect_err(|_| folder.abandon())?;
     let values = subject.values();
     let mut files = vec![("model.csv".to_owned(), terms_csv(&curves)?)];
@@ -46,10 +51,15 @@ pub(crate) fn run(args: &CurvesArgs) -> Result<Outcome> {
         ("spectra", curves_chart(&format!("{}: spectra", subject.name), &values, &spectra)),
     ];
     files.extend(chart_files(&drawn(figures)?));
+    let inputs = args.curves.data.iter().chain(&args.subject.fit).cloned();
+    refuse_to_replace(&folder, &files, inputs).inspect_err(|_| folder.abandon())?;
     folder.write(&files)?;
     if !args.output.quiet {
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-        output::print(format!("{values}\n{}: {}\n", folder.path().display(), names.join(" ")).as_bytes())?;
+        let written = format!("{}: {}", folder.path().display(), names.join(" "));
+        let lines = std::iter::once(&values).chain(&wanted.notes).chain([&written]);
+        let text: String = lines.map(|line| terminal::wrapped(line, "", "  ", WIDTH)).collect();
+        output::print(text.as_bytes())?;
     }
     Ok(Outcome::Done)
 }
@@ -60,30 +70,42 @@ struct Wanted {
     theta: f64,
     omegas: Vec<f64>,
     spectra: Vec<f64>,
+    /// What a reader should know of the choice.
+    notes: Vec<String>,
 }
 
 impl Wanted {
     fn of(args: &CurveArgs, data: Option<&Dataset>) -> Result<Self, Usage> {
         let scans: Vec<&Reading> = data.iter().flat_map(|data| over_angle(data)).collect();
-        let all = |given: &Option<Values>, measured: Vec<f64>, usual: &[f64], most: usize| match given {
+        let mut notes = Vec::new();
+        let mut all = |flag: &str, given: &Option<Values>, measured: Vec<f64>, usual: &[f64], most: usize| match given {
             Some(Values(values)) => values.clone(),
             None if measured.is_empty() => usual.to_vec(),
-            None => measured.into_iter().take(most).collect(),
+            None => {
+                let count = measured.len();
+                if count > most {
+                    notes.push(format!("{most} of {count} values of the data are drawn; {flag} chooses others"));
+                }
+                spread(&measured, most)
+            }
         };
         let of_data = |value: fn(&Reading) -> f64| distinct(scans.iter().map(|reading| value(reading)));
         let planes = data.map(|data| distinct(data.readings().iter().map(|reading| degrees(reading.geometry.omega))));
         let theta = args.theta.or_else(|| of_data(|reading| degrees(reading.geometry.theta)).first().copied());
         let wanted = Self {
             wavelengths: all(
+                "--wavelength",
                 &args.wavelength,
                 of_data(|reading| reading.wavelength),
                 &[420.0, 460.0, 500.0, 540.0, 580.0],
                 CURVES,
             ),
             theta: theta.unwrap_or(0.0),
-            omegas: all(&args.omega, planes.unwrap_or_default(), &[0.0, 45.0, 90.0], PLANES),
+            omegas: all("--omega", &args.omega, planes.unwrap_or_default(), &[0.0, 45.0, 90.0], PLANES),
             spectra: args.spectra.0.clone(),
+            notes: Vec::new(),
         };
+        let wanted = Self { notes, ..wanted };
         for (flag, found, most) in [
             ("--wavelength", wanted.wavelengths.len(), CURVES),
             ("--spectra", wanted.spectra.len(), CURVES),
@@ -95,6 +117,15 @@ impl Wanted {
         }
         Ok(wanted)
     }
+}
+
+/// At most so many values of a rising list, spread evenly with both ends.
+fn spread(values: &[f64], most: usize) -> Vec<f64> {
+    if values.len() <= most {
+        return values.to_vec();
+    }
+    let place = |index: usize| index * (values.len() - 1) / (most.max(2) - 1);
+    (0..most).filter_map(|index| values.get(place(index)).copied()).collect()
 }
 
 /// The readings of scans over the viewing angle: those whose wavelength, incidence and plane others share at another angle.
@@ -177,7 +208,11 @@ impl Drawing<'_> {
             }
             bundles.push(bundle);
         }
-        let wavelengths = linspace(380.0, 780.0, 401);
+        let has_index = |wavelength: &f64| self.subject.model.stack().media(*wavelength).is_ok();
+        let mut wavelengths = linspace(380.0, 780.0, 401);
+        if wavelengths.iter().any(has_index) {
+            wavelengths.retain(has_index);
+        }
         for &omega in &wanted.omegas {
             let mut bundle = Bundle {
                 title: format!("φ = −θ, ω = {omega}°"),

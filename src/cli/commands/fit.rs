@@ -114,7 +114,7 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     if !args.output.no_plots {
         tell("drawing the charts");
         pictures = drawn(figures(data, &fit, &name, &title)?)?;
-        files.push((PAGE.to_owned(), report(&fit, &name, &pictures)?));
+        files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
         files.extend(chart_files(&pictures));
     }
     let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
@@ -140,7 +140,7 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
         }
         names.extend(files.iter().map(|(name, _)| name.clone()));
         if !args.output.no_plots {
-            files.push((PAGE.to_owned(), report(&fit, &name, &pictures)?));
+            files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
         }
         files.push(("fit.json".to_owned(), json.clone()));
         folder.write(&files)?;
@@ -161,14 +161,18 @@ fn figures(data: &Dataset, fit: &Fit, name: &str, title: &str) -> Result<Vec<(&'
     {
         figures.push(("atlas", map_figure(&map, &fit.outcome, title)?));
     }
-    figures.extend(sweep::of_fit(name, &fit.outcome)?.map(|figure| ("sweep", figure)));
+    // Colours are an extra: where the model has none, as beyond a table of indices, the fit stands.
+    match sweep::of_fit(name, &fit.outcome) {
+        Ok(figure) => figures.extend(figure.map(|figure| ("sweep", figure))),
+        Err(error) => output::complain(&format!("no colours are drawn: {error:#}")),
+    }
     Ok(figures)
 }
 
 /// The page with all pictures there are.
-fn report(fit: &Fit, file: &str, pictures: &[(&'static str, Picture)]) -> Result<Vec<u8>> {
+fn report(fit: &Fit, file: &str, pictures: &[(&'static str, Picture)]) -> Vec<u8> {
     let charts: Vec<Chart<'_>> = pictures.iter().map(|(name, picture)| Chart::named(name, &picture.svg)).collect();
-    Ok(page(&fit.outcome, file, &charts, &swatches(&fit.outcome)?).into_bytes())
+    page(&fit.outcome, file, &charts, &swatches(&fit.outcome).unwrap_or_default()).into_bytes()
 }
 
 fn outcome(found: &FitOutcome) -> Outcome {

@@ -1,9 +1,9 @@
 //! `morpho-fit sweep`: colour against a parameter of the structure.
 
 use crate::args::{AxesArgs, Cli, Command, KeepWord, SweepArgs, TurnWord};
-use crate::commands::{chart_files, drawn};
+use crate::commands::{chart_files, drawn, refuse_to_replace};
 use crate::exit::{Outcome, Usage};
-use crate::output::{self, Folder};
+use crate::output::{self, Folder, WIDTH};
 use crate::subject::Subject;
 use crate::viewing::viewing;
 use anyhow::Result;
@@ -15,12 +15,15 @@ use morpho_fit::inversion::{COUNT, FitOutcome, Parameter, Role, Verdict, structu
 use morpho_fit::optics::{ReflectivityModel, Structure};
 use morpho_fit::plot::Figure;
 use morpho_fit::plot::sweep::{Cell, FitMark, Sweep, strip_figure, sweep_figure};
+use morpho_fit::report::swatches::shows_the_multilayer;
+use morpho_fit::report::terminal;
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::sweep::{Colours, View, colours, spectra};
 use morpho_fit::synthetic::linspace;
 use morpho_fit::units::radians;
+use std::path::PathBuf;
 
-/// Wavelength at which the indices of the optical sum are taken, nm, as the fit does.
+/// Wavelength at which the indices of the optical sum are taken, nm.
 const INDEX_WAVELENGTH: f64 = 560.0;
 /// Step of the reflectivity beside the chart, nm.
 const REFLECTIVITY_STEP: f64 = 5.0;
@@ -29,31 +32,39 @@ const GAPS: (f64, f64) = (0.15, 0.985);
 
 pub(crate) fn run(args: &SweepArgs) -> Result<Outcome> {
     let subject = Subject::read(&args.subject)?;
-    let folder = Folder::open(args.output.out.as_deref().unwrap_or(&subject.folder))?;
+    let folder = Folder::open(&args.output.out.clone().unwrap_or_else(|| subject.folder.join("sweep")))?;
     let work = || -> Result<Vec<String>> {
         let Swept { chart, lines, csv } = swept(args, &subject)?;
         let figures = vec![("sweep", sweep_figure(&chart)?), ("strip", strip_figure(&chart)?)];
         let mut files = vec![("sweep.csv".to_owned(), csv)];
         files.extend(chart_files(&drawn(figures)?));
+        let inputs = args.axes.mark.iter().chain(&args.subject.fit).cloned();
+        refuse_to_replace(&folder, &files, inputs.chain([PathBuf::from(&args.viewing.illuminant)]))?;
         folder.write(&files)?;
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
         Ok(lines.into_iter().chain([format!("{}: {}", folder.path().display(), names.join(" "))]).collect())
     };
     let lines = work().inspect_err(|_| folder.abandon())?;
     if !args.output.quiet {
-        output::print((lines.join("\n") + "\n").as_bytes())?;
+        let wrapped: String = lines.iter().map(|line| terminal::wrapped(line, "", "  ", WIDTH)).collect();
+        output::print(wrapped.as_bytes())?;
     }
     Ok(Outcome::Done)
 }
 
 /// The chart that `morpho-fit sweep` would draw of a fit: over the gap, with the period of the fit.
 pub(crate) fn of_fit(name: &str, outcome: &FitOutcome) -> Result<Option<Figure>> {
-    if matches!(outcome.verdict, Verdict::NoThickness | Verdict::NotConverged) {
+    let is_refused = matches!(outcome.verdict, Verdict::NoThickness | Verdict::NotConverged);
+    if is_refused || !shows_the_multilayer(outcome) {
         return Ok(None);
     }
     let Some(subject) = Subject::of_fit(name, outcome) else { return Ok(None) };
     let period = subject.structure.period();
-    let vary = format!("--vary=d_air={}:{}", GAPS.0 * period, GAPS.1 * period);
+    let ends = outcome.parameters.d_air.interval_95.unwrap_or_default();
+    let least = ends[0].unwrap_or(f64::INFINITY).min(subject.structure.d_air);
+    let most = ends[1].unwrap_or(0.0).max(subject.structure.d_air);
+    let low = (GAPS.0 * period).min(0.9 * least).max(0.0);
+    let vary = format!("--vary=d_air={low}:{}", (GAPS.1 * period).max(most).min(period));
     let line = ["morpho-fit", "sweep", "--columns=67", "--angles=0:75:2.5", &vary];
     let Some(Command::Sweep(args)) = Cli::try_parse_from(line)?.command else {
         return Ok(None);
@@ -77,7 +88,7 @@ fn swept(args: &SweepArgs, subject: &Subject) -> Result<Swept> {
     let all: Vec<View> = views.iter().chain(&strip).copied().collect();
     let found = colours(subject.model.as_ref(), &all, Polarization::Unpolarized, &viewing)?;
     let shown = shown(&found, mapping)?;
-    let chart = chart(args, subject, &axis, &strip, &shown)?;
+    let chart = chart(args, subject, &axis, &strip, &shown, mapping)?;
     let (of_chart, of_strip) = shown.split_at(views.len());
     let lines = vec![
         chart.subtitle.clone(),
@@ -156,7 +167,12 @@ fn links(args: &AxesArgs, varied: Parameter, subject: &Subject) -> Result<(Strin
         links.push((given.parameter, factor, constant));
     }
     if !links.is_empty() {
-        let name = |(parameter, factor, constant): &Link| format!("{parameter} = {factor:+} {varied} {constant:+}");
+        let name = |&(parameter, factor, constant): &Link| {
+            let factor = parameter.outside(factor) / varied.outside(1.0);
+            let constant = parameter.outside(constant);
+            let sign = if constant < 0.0 { '−' } else { '+' };
+            format!("{parameter} = {factor:.4}·{varied} {sign} {:.4} {}", constant.abs(), parameter.unit())
+        };
         return Ok((links.iter().map(name).collect::<Vec<_>>().join(", "), links));
     }
     let Structure { d_air, d_cuticle, .. } = subject.structure;
@@ -187,11 +203,21 @@ fn shown(found: &Colours, mapping: GamutMapping) -> Result<Vec<Option<Shown>>> {
     Ok(found.colours.iter().map(one).collect::<Result<_, _>>()?)
 }
 
-fn chart(args: &SweepArgs, subject: &Subject, axis: &Axis, strip: &[View], shown: &[Option<Shown>]) -> Result<Sweep> {
+fn chart(
+    args: &SweepArgs,
+    subject: &Subject,
+    axis: &Axis,
+    strip: &[View],
+    shown: &[Option<Shown>],
+    mapping: GamutMapping,
+) -> Result<Sweep> {
     let cell = |shown: &Option<Shown>| shown.map(|shown| Cell { bytes: shown.bytes, outside: shown.outside });
     let (chart, of_strip) = shown.split_at(shown.len() - strip.len());
     let (y_label, strip_label) = match args.axes.turn {
-        TurnWord::Mirror => ("θ / °, φ = −θ".to_owned(), format!("θ = {0}°, φ = −{0}°", args.axes.strip)),
+        TurnWord::Mirror => {
+            let (theta, phi) = (args.axes.strip, 0.0 - args.axes.strip);
+            ("θ / °, φ = −θ".to_owned(), format!("θ = {theta}°, φ = {phi}°"))
+        }
         TurnWord::Phi => (
             format!("viewing angle φ / °, θ = {}°", args.axes.at),
             format!("θ = {}°, φ = {}°", args.axes.at, args.axes.strip),
@@ -210,7 +236,8 @@ fn chart(args: &SweepArgs, subject: &Subject, axis: &Axis, strip: &[View], shown
         y_label,
         y: args.axes.angles.0.clone(),
         cells: chart.iter().map(cell).collect(),
-        strip_label: strip_label.replace("φ = −0°", "φ = 0°"),
+        strip_label: strip_label.replace('-', "−"),
+        outside: format!("outside sRGB: {}", mapping.wording()),
         strip: of_strip.iter().map(cell).collect(),
         wavelengths,
         reflectivity,
@@ -220,10 +247,19 @@ fn chart(args: &SweepArgs, subject: &Subject, axis: &Axis, strip: &[View], shown
 
 /// Wavelengths, and the reflectivity of each column at each of them.
 fn reflectivity(model: &dyn ReflectivityModel, strip: &[View]) -> Result<(Vec<f64>, Vec<f64>)> {
-    let grid = Wavelengths::visible(REFLECTIVITY_STEP)?;
+    let grid = known(model, &Wavelengths::visible(REFLECTIVITY_STEP)?)?;
     let columns = spectra(model, strip, Polarization::Unpolarized, &grid)?;
     let at = |row: usize| columns.iter().map(move |column| column.as_ref().map_or(f64::NAN, |values| values[row]));
     Ok((grid.iter().collect(), (0..grid.len()).flat_map(at).collect()))
+}
+
+/// The part of a grid at which the media have an index; the whole if that is no part of it.
+fn known(model: &dyn ReflectivityModel, grid: &Wavelengths) -> Result<Wavelengths> {
+    let found: Vec<f64> = grid.iter().filter(|&wavelength| model.stack().media(wavelength).is_ok()).collect();
+    match found.as_slice() {
+        [first, .., last] => Ok(Wavelengths::new(*first, *last, grid.step())?),
+        _ => Ok(*grid),
+    }
 }
 
 /// The fit that is drawn, and the others that are to be marked.
@@ -233,7 +269,10 @@ fn marks(args: &SweepArgs, subject: &Subject, parameter: Parameter) -> Result<Ve
     let mut marks = Vec::new();
     for found in own.chain(others) {
         let (name, fit) = found?;
-        marks.extend(mark(&name, &fit, parameter));
+        match mark(&name, &fit, parameter) {
+            Some(mark) => marks.push(mark),
+            None => output::complain(&format!("{name} does not determine {parameter}: it is not marked")),
+        }
     }
     Ok(marks)
 }
@@ -243,11 +282,12 @@ fn mark(name: &str, fit: &FitOutcome, parameter: Parameter) -> Option<FitMark> {
     let value = estimate.value?;
     let interval = estimate.interval_95.unwrap_or_default();
     let unit = parameter.unit();
+    let digits = if parameter == Parameter::PhiAlpha { 4 } else { 2 };
     let told = match interval {
-        [Some(low), Some(high)] => format!(", 95 % from {low:.2} to {high:.2}"),
+        [Some(low), Some(high)] => format!(", 95 % from {low:.digits$} to {high:.digits$}"),
         _ => String::new(),
     };
-    Some(FitMark { name: format!("{name}: {value:.2} {unit}{told}"), value, interval })
+    Some(FitMark { name: format!("{name}: {value:.digits$} {unit}{told}"), value, interval })
 }
 
 /// Which wavelengths were used and why.
@@ -261,8 +301,11 @@ fn sampled(found: &Colours) -> String {
                 "{head}: by 2 nm a colour would differ by ΔE₀₀ {two:.2}, so that 1 nm may not be fine enough either"
             )
         }
-        (Some(difference), _) => format!("{head}: colours within ΔE₀₀ {difference:.2} of those by 1 nm"),
-        (None, _) => format!("{head}, as asked for"),
+        (Some(difference), _) => {
+            let compared = found.sampling.compared;
+            format!("{head}: within ΔE₀₀ {difference:.2} of 1 nm in the {compared} colours that were compared")
+        }
+        (None, _) => head,
     }
 }
 

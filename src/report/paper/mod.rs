@@ -24,6 +24,9 @@ const ANGLES: usize = 51;
 /// Columns of the chart.
 const COLUMNS: usize = 56;
 
+/// First line of the text.
+pub const TITLE: &str = "# The paper's figures and table";
+
 /// Everything that the page needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
