@@ -10,7 +10,7 @@ use anyhow::Result;
 use morpho_fit::dataset::{Dataset, ReadOptions, Reading, read_csv};
 use morpho_fit::export::terms_csv;
 use morpho_fit::geometry::{Geometry, Polarization};
-use morpho_fit::inversion::FitOutcome;
+use morpho_fit::inversion::{FitOutcome, Weight};
 use morpho_fit::optics::OpticsError;
 use morpho_fit::plot::angular::{Bundle, Named, curves_chart, polar_chart};
 use morpho_fit::sweep::Curve;
@@ -140,7 +140,11 @@ impl Strength {
             found.map(|nuisance| nuisance.value)
         };
         let multilayer = named("scale").unwrap_or(1.0);
-        let lamella = named("lamella_scale").unwrap_or(multilayer);
+        let weight = fit.map_or(1.0, |fit| match fit.settings.nuisances.weight {
+            Weight::Fixed(weight) => weight,
+            Weight::Fitted => 1.0,
+        });
+        let lamella = named("lamella_scale").unwrap_or(multilayer * weight);
         Self { lamella, multilayer, background: named("background").unwrap_or(0.0) }
     }
 }

@@ -4,6 +4,7 @@ use super::{Pair, PaperError, RIDGES, printed};
 use crate::colorimetry::{Illuminant, Observer, Xyz, printed_rgb};
 use crate::geometry::{Geometry, Polarization};
 use crate::optics::{BlendModel, ReflectivityModel, Structure};
+use crate::plot::sweep::outside_marks;
 use crate::plot::{ColourGrid, ColourMap, Figure, HeatMap, LineSeries, Panel, PointSeries};
 use crate::spectrum::Wavelengths;
 use crate::sweep::Curve;
@@ -147,6 +148,11 @@ fn edges(values: &[f64]) -> Vec<f64> {
     (0..=values.len()).map(edge).collect()
 }
 
+/// 1 for each right colour that sRGB cannot show.
+fn outside(pairs: &[Pair]) -> Vec<f64> {
+    pairs.iter().map(|pair| f64::from(u8::from(pair.outside))).collect()
+}
+
 /// Fig. 16: the colours at normal incidence.
 pub(super) fn strips(gaps: &[f64], pairs: &[Pair]) -> Figure {
     let strip = |title: &str, colours: Vec<Option<[u8; 3]>>| Panel {
@@ -161,7 +167,10 @@ pub(super) fn strips(gaps: &[f64], pairs: &[Pair]) -> Figure {
         subtitle: "ω = 90°, θ = φ = 0°; not the paper's green, blue, cyan to purple".to_owned(),
         panels: vec![
             strip("as printed", pairs.iter().map(|pair| pair.printed).collect()),
-            strip("right", pairs.iter().map(|pair| Some(pair.right)).collect()),
+            Panel {
+                points: outside_marks(gaps, &[0.5], &outside(pairs)),
+                ..strip("right", pairs.iter().map(|pair| Some(pair.right)).collect())
+            },
         ],
         columns: Some(1),
         plot_size: Some(STRIP_SIZE),
@@ -193,7 +202,7 @@ pub(super) fn chart(gaps: &[f64], angles: &[f64], pairs: &[Pair]) -> Figure {
         subtitle: "d_cuticle = 235 nm − d_air; white: Snell's law as printed has no ray there".to_owned(),
         panels: vec![
             Panel { colours: Some(printed), ..panel("as printed") },
-            Panel { colours: Some(right), ..panel("right") },
+            Panel { colours: Some(right), points: outside_marks(gaps, angles, &outside(pairs)), ..panel("right") },
             Panel { heat: Some(difference), ..panel("difference") },
         ],
         columns: Some(3),

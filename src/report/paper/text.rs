@@ -168,7 +168,7 @@ fn figure_16(text: &mut String, gaps: &[f64], chart: &[Pair]) -> Result<(), Pape
     let _ = write!(
         text,
         "\nNearest to the paper's words comes the printed chart at {NEAREST:.0}° in the mirror direction, where Snell's law \
-         upside down has moved every peak by some 150 nm: from d_air 35 to 200 nm it runs {}, green over cyan to blue, but \
+         upside down has moved the peaks below those of the right law: from d_air 35 to 200 nm it runs {}, green over cyan to blue, but \
          not to purple. The paper does not say at which angle its figure was drawn.\n",
         nearest.join(", ")
     );
