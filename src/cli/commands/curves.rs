@@ -10,7 +10,7 @@ use anyhow::Result;
 use morpho_fit::dataset::{Dataset, ReadOptions, Reading, read_csv};
 use morpho_fit::export::terms_csv;
 use morpho_fit::geometry::{Geometry, Polarization};
-use morpho_fit::inversion::{FitOutcome, Weight};
+use morpho_fit::inversion::{Extent, FitOutcome, Weight};
 use morpho_fit::optics::OpticsError;
 use morpho_fit::plot::angular::{Bundle, Named, curves_chart, polar_chart};
 use morpho_fit::sweep::Curve;
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &CurvesArgs) -> Result<Outcome> {
     let subject = Subject::read(&args.subject)?;
     let data = args.curves.data.as_deref().map(|path| -> Result<Dataset> {
         let bytes = output::read(path)?;
-        read_csv(&bytes, &ReadOptions::default()).map_err(|found| found.in_file(&path.display().to_string()).into())
+        read_csv(&bytes, &ReadOptions::default()).map_err(|found| found.in_file(path.display().to_string()).into())
     });
     let data = data.transpose()?;
     let wanted = Wanted::of(&args.curves, data.as_ref())?;
@@ -49,7 +49,14 @@ pub(crate) fn run(args: &CurvesArgs) -> Result<Outcome> {
     folder.write(&files)?;
     if !args.output.quiet {
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-        output::print(format!("{values}\n{}: {}\n", folder.path().display(), names.join(" ")).as_bytes())?;
+        let each = |fit: &FitOutcome| fit.settings.nuisances.scale == Extent::PerCurve;
+        let scales = if data.is_some() && subject.fit.as_ref().is_some_and(each) {
+            "the fit has a scale for each curve; readings are drawn as they are, the model with a scale of 1\n"
+        } else {
+            ""
+        };
+        let place = folder.path().display();
+        output::print(format!("{values}\n{scales}{place}: {}\n", names.join(" ")).as_bytes())?;
     }
     Ok(Outcome::Done)
 }

@@ -13,7 +13,7 @@ use crate::units::radians;
 
 /// Wavelengths of the curves, nm: those of PHYSICS' table about the peak of Table 1, and the multilayer's own peak.
 const LAMELLA_WAVELENGTHS: [f64; 7] = [400.0, 420.0, 440.0, 460.0, 470.0, 480.0, 500.0];
-const MULTILAYER_WAVELENGTHS: [f64; 7] = [440.0, 480.0, 500.0, 520.0, 550.0, 583.0, 620.0];
+const MULTILAYER_WAVELENGTHS: [f64; 6] = [440.0, 480.0, 500.0, 583.0, 680.0, 700.0];
 const STRIP_SIZE: (f64, f64) = (760.0, 90.0);
 const CHART_SIZE: (f64, f64) = (400.0, 330.0);
 const RED: usize = 1;
