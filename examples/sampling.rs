@@ -10,7 +10,6 @@
 //! white of its own grid. All views of such a scene are looked at when its grid is chosen; a colour chart has more views than
 //! that, so that charts are held to the same limit: the gap from 0.15 to 0.985 of the period of a structure, which stays, in 56
 //! columns, by 76 incidences, along the ridges.
-#![allow(unreachable_pub, reason = "the tests share the study")]
 
 use morpho_fit::colorimetry::{ColourError, Lab};
 use morpho_fit::geometry::{Geometry, Polarization};
@@ -26,13 +25,13 @@ use std::fmt::Write;
 type Failure = Box<dyn std::error::Error>;
 
 /// The seed of the committed tables.
-pub const SEED: u64 = 2026;
+pub(crate) const SEED: u64 = 2026;
 /// Structures of the committed tables.
-pub const STRUCTURES: usize = 500;
+pub(crate) const STRUCTURES: usize = 500;
 /// Charts of the committed table.
-pub const CHARTS: usize = 60;
+pub(crate) const CHARTS: usize = 60;
 /// The most that the default may differ by, CIEDE2000.
-pub const LIMIT: f64 = 0.5;
+pub(crate) const LIMIT: f64 = 0.5;
 /// Incidences of a scene, degrees: from 0 to this.
 const STEEPEST: u32 = 75;
 /// Ends of the gap in a chart, as parts of its period, and the number of its columns.
@@ -43,13 +42,13 @@ const RANGE: u32 = 15;
 
 /// One scene.
 #[derive(Debug)]
-pub struct Scene {
+pub(crate) struct Scene {
     /// Step that was chosen, nm.
-    pub step: f64,
+    pub(crate) step: f64,
     /// Number of wavelengths.
-    pub wavelengths: usize,
+    pub(crate) wavelengths: usize,
     /// Incidence (degrees), then the difference to 1 nm of the chosen grid and of the paper's, of each view.
-    pub views: Vec<(u32, f64, f64)>,
+    pub(crate) views: Vec<(u32, f64, f64)>,
 }
 
 /// Random structures.
@@ -60,13 +59,13 @@ fn structures(count: usize, seed: u64) -> Result<Vec<Structure>, Failure> {
 }
 
 /// The scenes of `count` structures.
-pub fn study(count: usize, seed: u64) -> Result<Vec<Scene>, Failure> {
+pub(crate) fn study(count: usize, seed: u64) -> Result<Vec<Scene>, Failure> {
     let scene = |one: Structure| scene(&[one], &[90.0, 0.0]);
     structures(count, seed)?.into_iter().map(scene).collect()
 }
 
 /// The charts of `count` structures.
-pub fn charts(count: usize, seed: u64) -> Result<Vec<Scene>, Failure> {
+pub(crate) fn charts(count: usize, seed: u64) -> Result<Vec<Scene>, Failure> {
     let chart = |one: Structure| {
         let period = one.period();
         let gaps = linspace(GAPS.0 * period, GAPS.1 * period, COLUMNS);
@@ -107,13 +106,13 @@ fn scene(structures: &[Structure], omegas: &[f64]) -> Result<Scene, Failure> {
 }
 
 /// The largest of some differences, and their median.
-pub fn largest_and_median(mut values: Vec<f64>) -> (f64, f64) {
+pub(crate) fn largest_and_median(mut values: Vec<f64>) -> (f64, f64) {
     values.sort_by(f64::total_cmp);
     (values.last().copied().unwrap_or_default(), values.get(values.len() / 2).copied().unwrap_or_default())
 }
 
 /// A row for each step that was chosen.
-pub fn by_step(scenes: &[Scene]) -> String {
+pub(crate) fn by_step(scenes: &[Scene]) -> String {
     let mut text = String::from("step_nm,wavelengths,structures,median_ciede2000,largest_ciede2000\n");
     let mut grids: Vec<(f64, usize)> = scenes.iter().map(|scene| (scene.step, scene.wavelengths)).collect();
     grids.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -128,7 +127,7 @@ pub fn by_step(scenes: &[Scene]) -> String {
 }
 
 /// A row for each range of incidences.
-pub fn by_angle(scenes: &[Scene]) -> String {
+pub(crate) fn by_angle(scenes: &[Scene]) -> String {
     let mut text = String::from("from_deg,to_deg,largest_default,median_paper,largest_paper\n");
     for from in (0..STEEPEST).step_by(RANGE as usize) {
         // The last range has its end.

@@ -83,7 +83,7 @@ pub fn strip_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     let title = format!("at {}", sweep.strip_label);
     let panel = Panel { bare_y: true, title, ..coloured(sweep, y_edges, &sweep.strip) };
     let outside: Vec<f64> = sweep.strip.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
-    let marks = marks(&sweep.x, &[0.5], &outside, &sweep.outside);
+    let marks = outside_marks(&sweep.x, &[0.5], &outside, &sweep.outside);
     Ok(Figure {
         title: sweep.title.clone(),
         subtitle: sweep.subtitle.clone(),
@@ -113,7 +113,7 @@ pub fn sweep_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     let mut chart = coloured(sweep, edges_around(&sweep.y), &sweep.cells);
     chart.y_label.clone_from(&sweep.y_label);
     chart.title = "colour".to_owned();
-    chart.points = marks(&sweep.x, &sweep.y, &outside, &sweep.outside);
+    chart.points = outside_marks(&sweep.x, &sweep.y, &outside, &sweep.outside);
     let (x, y) = contour(&sweep.x, &sweep.y, &outside, 0.5);
     let name = if chart.points.is_empty() { String::new() } else { "edge of sRGB".to_owned() };
     chart.lines.push(LineSeries { name, x, y, colour: BLACK, width: 1.0, ..LineSeries::default() });
@@ -156,8 +156,19 @@ fn is_outside(cell: &Option<Cell>) -> bool {
     cell.is_some_and(|cell| cell.outside)
 }
 
-/// Dots where colours are outside the gamut: at every so many-th cell, and in the middle of each run in a row that has none.
-fn marks(x: &[f64], y: &[f64], outside: &[f64], name: &str) -> Vec<PointSeries> {
+/// Dots on colours that sRGB cannot show, at most 22 across and upwards, and one in the middle of each
+/// run in a row that would have none.
+///
+/// # Shape
+/// `outside: [y][x]`, 1 where a colour is outside and 0 where it is not; what is missing is not.
+///
+/// ```
+/// use morpho_fit::plot::sweep::outside_marks;
+/// assert_eq!(outside_marks(&[1.0, 2.0], &[5.0], &[0.0, 1.0], "outside")[0].x, [2.0]);
+/// assert!(outside_marks(&[1.0, 2.0], &[5.0], &[0.0, 0.0], "outside").is_empty());
+/// ```
+#[must_use]
+pub fn outside_marks(x: &[f64], y: &[f64], outside: &[f64], name: &str) -> Vec<PointSeries> {
     let every = |count: usize| count.div_ceil(MARKS).max(1);
     let (across, up) = (every(x.len()), every(y.len()));
     let mut dots = PointSeries { name: name.to_owned(), colour: BLACK, ..PointSeries::default() };

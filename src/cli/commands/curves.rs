@@ -10,7 +10,7 @@ use anyhow::Result;
 use morpho_fit::dataset::{Dataset, ReadOptions, Reading, read_csv};
 use morpho_fit::export::terms_csv;
 use morpho_fit::geometry::{Geometry, Polarization};
-use morpho_fit::inversion::FitOutcome;
+use morpho_fit::inversion::{Extent, FitOutcome, Weight};
 use morpho_fit::optics::OpticsError;
 use morpho_fit::plot::angular::{Bundle, Named, curves_chart, polar_chart};
 use morpho_fit::report::terminal;
@@ -29,15 +29,16 @@ pub(crate) fn run(args: &CurvesArgs) -> Result<Outcome> {
     let subject = Subject::read(&args.subject)?;
     let data = args.curves.data.as_deref().map(|path| -> Result<Dataset> {
         let bytes = output::read(path)?;
-        read_csv(&bytes, &ReadOptions::default()).map_err(|found| found.in_file(&path.display().to_string()).into())
+        read_csv(&bytes, &ReadOptions::default()).map_err(|found| found.in_file(path.display().to_string()).into())
     });
     let data = data.transpose()?;
-    let wanted = Wanted::of(&args.curves, data.as_ref())?;
+    let mut wanted = Wanted::of(&args.curves, data.as_ref())?;
     let folder = Folder::open(&args.output.out.clone().unwrap_or_else(|| subject.folder.join("curves")))?;
     let drawing = Drawing { subject: &subject, data: data.as_ref(), strength: Strength::of(subject.fit.as_ref()) };
-    let per_curve = subject.fit.iter().flat_map(|fit| &fit.nuisance).any(|nuisance| nuisance.name.contains(" of "));
-    if per_curve && data.is_some() {
-        output::complain("the fit has a scale or background for each curve: the model is drawn at scale 1");
+    let per_curve = |fit: &FitOutcome| fit.settings.nuisances.scale == Extent::PerCurve;
+    if data.is_some() && subject.fit.as_ref().is_some_and(per_curve) {
+        let note = "the fit has a scale for each curve: readings are drawn as they are, the model with a scale of 1";
+        wanted.notes.push(note.to_owned());
     }
     let (curves, bundles) = drawing.all(&wanted).inspect_err(|_| folder.abandon())?;
     let values = subject.values();
@@ -171,7 +172,11 @@ impl Strength {
             found.map(|nuisance| nuisance.value)
         };
         let multilayer = named("scale").unwrap_or(1.0);
-        let lamella = named("lamella_scale").unwrap_or(multilayer);
+        let weight = fit.map_or(1.0, |fit| match fit.settings.nuisances.weight {
+            Weight::Fixed(weight) => weight,
+            Weight::Fitted => 1.0,
+        });
+        let lamella = named("lamella_scale").unwrap_or(multilayer * weight);
         Self { lamella, multilayer, background: named("background").unwrap_or(0.0) }
     }
 }

@@ -4,6 +4,7 @@ use super::{Pair, PaperError, RIDGES, printed};
 use crate::colorimetry::{Illuminant, Observer, Xyz, printed_rgb};
 use crate::geometry::{Geometry, Polarization};
 use crate::optics::{BlendModel, ReflectivityModel, Structure};
+use crate::plot::sweep::outside_marks;
 use crate::plot::{ColourGrid, ColourMap, Figure, HeatMap, LineSeries, Panel, PointSeries};
 use crate::spectrum::Wavelengths;
 use crate::sweep::Curve;
@@ -12,9 +13,10 @@ use crate::units::radians;
 
 /// Wavelengths of the curves, nm: those of PHYSICS' table about the peak of Table 1, and the multilayer's own peak.
 const LAMELLA_WAVELENGTHS: [f64; 7] = [400.0, 420.0, 440.0, 460.0, 470.0, 480.0, 500.0];
-const MULTILAYER_WAVELENGTHS: [f64; 7] = [440.0, 480.0, 500.0, 520.0, 550.0, 583.0, 620.0];
+const MULTILAYER_WAVELENGTHS: [f64; 6] = [440.0, 480.0, 500.0, 583.0, 680.0, 700.0];
 const STRIP_SIZE: (f64, f64) = (760.0, 90.0);
 const CHART_SIZE: (f64, f64) = (400.0, 330.0);
+const OUTSIDE: &str = "outside sRGB: chroma reduced at constant hue and lightness";
 const RED: usize = 1;
 const GREEN: usize = 2;
 const BLUE: usize = 0;
@@ -147,6 +149,11 @@ fn edges(values: &[f64]) -> Vec<f64> {
     (0..=values.len()).map(edge).collect()
 }
 
+/// 1 for each right colour that sRGB cannot show.
+fn outside(pairs: &[Pair]) -> Vec<f64> {
+    pairs.iter().map(|pair| f64::from(u8::from(pair.outside))).collect()
+}
+
 /// Fig. 16: the colours at normal incidence.
 pub(super) fn strips(gaps: &[f64], pairs: &[Pair]) -> Figure {
     let strip = |title: &str, colours: Vec<Option<[u8; 3]>>| Panel {
@@ -161,7 +168,10 @@ pub(super) fn strips(gaps: &[f64], pairs: &[Pair]) -> Figure {
         subtitle: "ω = 90°, θ = φ = 0°; not the paper's green, blue, cyan to purple".to_owned(),
         panels: vec![
             strip("as printed", pairs.iter().map(|pair| pair.printed).collect()),
-            strip("right", pairs.iter().map(|pair| Some(pair.right)).collect()),
+            Panel {
+                points: outside_marks(gaps, &[0.5], &outside(pairs), OUTSIDE),
+                ..strip("right", pairs.iter().map(|pair| Some(pair.right)).collect())
+            },
         ],
         columns: Some(1),
         plot_size: Some(STRIP_SIZE),
@@ -193,7 +203,11 @@ pub(super) fn chart(gaps: &[f64], angles: &[f64], pairs: &[Pair]) -> Figure {
         subtitle: "d_cuticle = 235 nm − d_air; white: Snell's law as printed has no ray there".to_owned(),
         panels: vec![
             Panel { colours: Some(printed), ..panel("as printed") },
-            Panel { colours: Some(right), ..panel("right") },
+            Panel {
+                colours: Some(right),
+                points: outside_marks(gaps, angles, &outside(pairs), OUTSIDE),
+                ..panel("right")
+            },
             Panel { heat: Some(difference), ..panel("difference") },
         ],
         columns: Some(3),
