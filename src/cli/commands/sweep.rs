@@ -6,7 +6,7 @@ use crate::exit::{Outcome, Usage};
 use crate::output::{self, Folder, WIDTH};
 use crate::subject::Subject;
 use crate::viewing::viewing;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Parser;
 use morpho_fit::colorimetry::{GamutMapping, RgbSpace, RgbTransform, Shown, Xyz};
 use morpho_fit::export::colours_csv;
@@ -86,7 +86,8 @@ fn swept(args: &SweepArgs, subject: &Subject) -> Result<Swept> {
     let views = axis.views(&args.axes, &args.axes.angles.0);
     let strip = axis.views(&args.axes, &[args.axes.strip]);
     let all: Vec<View> = views.iter().chain(&strip).copied().collect();
-    let found = colours(subject.model.as_ref(), &all, Polarization::Unpolarized, &viewing)?;
+    let found = colours(subject.model.as_ref(), &all, Polarization::Unpolarized, &viewing);
+    let found = found.context("no colours (--wavelengths 400:700:5 asks for other wavelengths)")?;
     let shown = shown(&found, mapping)?;
     let chart = chart(args, subject, &axis, &strip, &shown, mapping)?;
     let (of_chart, of_strip) = shown.split_at(views.len());
