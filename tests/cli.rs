@@ -33,6 +33,8 @@ fn a_simulated_measurement_is_checked_and_fitted() {
         "report.html",
         "residuals.png",
         "residuals.svg",
+        "sweep.png",
+        "sweep.svg",
     ];
     assert_eq!(names(&place), expected);
     let found = outcome(&folder, "fits/blue");

@@ -56,10 +56,8 @@ fn each_command_works_without_arguments() {
     let folder = empty();
     succeeds(&folder, "curves");
     succeeds(&folder, "sweep");
-    let both: Vec<&str> = CURVES.into_iter().chain(SWEEP).collect();
-    let mut found = names(&folder.path().join("fits/blue"));
-    found.retain(|name| !both.contains(&name.as_str()));
-    assert_eq!(found, Vec::<String>::new());
+    assert_eq!(names(&folder.path().join("fits/blue/curves")), CURVES);
+    assert_eq!(names(&folder.path().join("fits/blue/sweep")), SWEEP);
     succeeds(&folder, "paper --quiet");
     let page = fs::read_to_string(folder.path().join("fits/paper/README.md")).unwrap();
     let pictures: Vec<String> =
@@ -239,4 +237,43 @@ fn data_that_cannot_be_read_are_refused() {
     write(&folder, "file", "");
     fails(&folder, &["paper", "--out", "file"], 1, &["file"]);
     assert_eq!(run(&folder, "paper --colour").code, 2);
+}
+
+#[test]
+fn nothing_that_was_read_or_is_of_someone_else_is_replaced() {
+    let folder = empty();
+    fs::copy(of_repository("data/blue_morpho.csv"), folder.path().join("model.csv")).unwrap();
+    let before = fs::read(folder.path().join("model.csv")).unwrap();
+    let ended = run(&folder, "curves --data model.csv --out .");
+    assert!(ended.code == 2 && ended.err.contains("model.csv"), "{}", ended.err);
+    assert_eq!(fs::read(folder.path().join("model.csv")).unwrap(), before);
+    fs::write(folder.path().join("README.md"), "# Mine").unwrap();
+    let ended = run(&folder, "paper --out .");
+    assert!(ended.code == 2 && ended.err.contains("README.md"), "{}", ended.err);
+    assert_eq!(fs::read_to_string(folder.path().join("README.md")).unwrap(), "# Mine");
+}
+
+#[test]
+fn a_fit_beyond_its_table_of_indices_stands_without_colours() {
+    let folder = empty();
+    fs::write(folder.path().join("n.csv"), "wavelength_nm,n,k\n400,1.56,0\n700,1.56,0\n").unwrap();
+    succeeds(&folder, "simulate --scan wavelength=400:700:10,theta=0|30,omega=90 --out s.csv");
+    let ended = run(&folder, "s.csv --n-cuticle n.csv");
+    assert!(ended.code == 0 && ended.err.contains("no colours are drawn"), "{}", ended.err);
+    let files = names(&folder.path().join("fits/s"));
+    assert!(files.contains(&"fit.json".to_owned()) && !files.contains(&"sweep.svg".to_owned()), "{files:?}");
+    assert_eq!(run(&folder, "sweep fits/s --wavelengths 400:700:5 --columns 5 --angles 0|30").code, 0);
+    assert_eq!(run(&folder, "curves fits/s").code, 0);
+}
+
+#[test]
+fn a_page_shows_no_colour_of_thicknesses_that_are_not_determined() {
+    let page = |name: &str| {
+        let folder = empty();
+        succeeds(&folder, &format!("{} --out here", of_repository(&format!("data/{name}.csv"))));
+        fs::read_to_string(folder.path().join("here/report.html")).unwrap()
+    };
+    assert!(page("blue_morpho").contains("along the ridges, θ = 0°, mirrored"));
+    let across = page("across_ridges");
+    assert!(across.contains("across the ridges, θ = 0°") && !across.contains("along the ridges"), "{across}");
 }

@@ -136,7 +136,7 @@ fn draws(outcome: &FitOutcome, best: &[f64; COUNT]) -> Vec<Structure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inversion::{FitSettings, Search, fit};
+    use crate::inversion::{FitSettings, fit};
     use crate::optics::BlendModel;
     use crate::synthetic::{Scan, simulate};
 
@@ -144,8 +144,7 @@ mod tests {
     fn the_example_is_blue_and_its_colour_is_sure() {
         let (model, truth) = (BlendModel::default(), Structure::blue());
         let data = simulate(&model, &truth, &Scan::full_design(&model, &truth).unwrap(), 1.0, 0.01, 1).unwrap();
-        let local = FitSettings { search: Search::Local, ..FitSettings::default() };
-        let mut outcome = fit(&data, &local, &|_| {}).unwrap().outcome;
+        let mut outcome = fit(&data, &FitSettings::default(), &|_| {}).unwrap().outcome;
         let found = swatches(&outcome).unwrap();
         let [red, green, blue] = found[0].colour;
         assert!(blue > green && green > red, "{:?}", found[0]);
