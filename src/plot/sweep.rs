@@ -13,6 +13,7 @@ const CHART_SIZE: (f64, f64) = (470.0, 400.0);
 /// Marks of colours outside the gamut stand in every so many-th column and row.
 const MARKS: usize = 22;
 const BLACK: usize = 6;
+const OUTSIDE: &str = "outside sRGB: shown with less chroma";
 /// Colours of the marks of fits, which must be seen on any colour.
 const FITS: [usize; 4] = [6, 1, 4, 3];
 
@@ -75,15 +76,17 @@ pub struct FitMark {
 pub fn strip_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     check::count(CHART, "columns", (2, CELLS), sweep.x.len())?;
     check::length(CHART, "colours of the strip", sweep.x.len(), sweep.strip.len())?;
-    let y_edges = vec![0.0, 1.0];
-    let title = format!("at {}", sweep.strip_label);
-    let panel = Panel { bare_y: true, title, ..coloured(sweep, y_edges, &sweep.strip) };
-    let outside: Vec<f64> = sweep.strip.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
-    let marks = marks(&sweep.x, &[0.5], &outside);
+    let panel = Panel {
+        bare_y: true,
+        title: format!("at {}", sweep.strip_label),
+        x_label: sweep.x_label.clone(),
+        vertical_lines: upright(&sweep.fits),
+        ..coloured(&sweep.x, &[0.5], &sweep.strip, OUTSIDE)
+    };
     Ok(Figure {
         title: sweep.title.clone(),
         subtitle: sweep.subtitle.clone(),
-        panels: vec![Panel { points: marks, ..panel }],
+        panels: vec![panel],
         columns: None,
         plot_size: Some(STRIP_SIZE),
     })
@@ -105,13 +108,13 @@ pub fn sweep_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     }
     check::length(CHART, "colours", sweep.x.len() * sweep.y.len(), sweep.cells.len())?;
     check::length(CHART, "reflectivities", sweep.x.len() * sweep.wavelengths.len(), sweep.reflectivity.len())?;
-    let outside: Vec<f64> = sweep.cells.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
-    let mut chart = coloured(sweep, edges_around(&sweep.y), &sweep.cells);
-    chart.y_label.clone_from(&sweep.y_label);
-    chart.title = "colour".to_owned();
-    chart.points = marks(&sweep.x, &sweep.y, &outside);
-    let (x, y) = contour(&sweep.x, &sweep.y, &outside, 0.5);
-    chart.lines.push(LineSeries { x, y, colour: BLACK, width: 1.0, ..LineSeries::default() });
+    let chart = Panel {
+        title: "colour".to_owned(),
+        x_label: sweep.x_label.clone(),
+        y_label: sweep.y_label.clone(),
+        vertical_lines: upright(&sweep.fits),
+        ..coloured(&sweep.x, &sweep.y, &sweep.cells, OUTSIDE)
+    };
     let heat = HeatMap {
         x_edges: edges_around(&sweep.x),
         y_edges: edges_around(&sweep.wavelengths),
@@ -137,12 +140,18 @@ pub fn sweep_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     })
 }
 
-fn coloured(sweep: &Sweep, y_edges: Vec<f64>, cells: &[Option<Cell>]) -> Panel {
+/// The cells at the middles `x` and `y`, with dots and an outline named `marked` for those that are not the colour itself.
+///
+/// A single row is one unit high.
+pub(crate) fn coloured(x: &[f64], y: &[f64], cells: &[Option<Cell>], marked: &str) -> Panel {
     let colours = cells.iter().map(|cell| cell.map(|cell| cell.bytes)).collect();
+    let y_edges = if let [middle] = y { vec![middle - 0.5, middle + 0.5] } else { edges_around(y) };
+    let outside: Vec<f64> = cells.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
+    let (outline_x, outline_y) = contour(x, y, &outside, 0.5);
     Panel {
-        x_label: sweep.x_label.clone(),
-        colours: Some(ColourGrid { x_edges: edges_around(&sweep.x), y_edges, colours }),
-        vertical_lines: upright(&sweep.fits),
+        colours: Some(ColourGrid { x_edges: edges_around(x), y_edges, colours }),
+        points: marks(x, y, &outside, marked),
+        lines: vec![LineSeries { x: outline_x, y: outline_y, colour: BLACK, width: 1.0, ..LineSeries::default() }],
         ..Panel::default()
     }
 }
@@ -152,14 +161,10 @@ fn is_outside(cell: &Option<Cell>) -> bool {
 }
 
 /// Dots where colours are outside the gamut.
-fn marks(x: &[f64], y: &[f64], outside: &[f64]) -> Vec<PointSeries> {
+fn marks(x: &[f64], y: &[f64], outside: &[f64], name: &str) -> Vec<PointSeries> {
     let every = |count: usize| count.div_ceil(MARKS).max(1);
     let (across, up) = (every(x.len()), every(y.len()));
-    let mut dots = PointSeries {
-        name: "outside sRGB: shown with less chroma".to_owned(),
-        colour: BLACK,
-        ..PointSeries::default()
-    };
+    let mut dots = PointSeries { name: name.to_owned(), colour: BLACK, ..PointSeries::default() };
     for (row, &y) in y.iter().enumerate().skip(up / 2).step_by(up) {
         for (column, &value) in x.iter().enumerate().skip(across / 2).step_by(across) {
             if outside.get(row * x.len() + column).is_some_and(|&outside| outside > 0.5) {
