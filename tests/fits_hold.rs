@@ -76,6 +76,8 @@ fn the_committed_page_of_the_paper_is_what_the_formulas_give() {
     let page = morpho_fit::report::paper::page().unwrap();
     let committed = std::fs::read_to_string(root().join("fits/paper/README.md")).unwrap();
     assert!(page.text == committed, "fits/paper/README.md is not of this program: run scripts/refit");
+    let colours = std::fs::read_to_string(root().join("fits/paper/colours.csv")).unwrap();
+    assert!(page.colours == colours, "fits/paper/colours.csv is not of this program: run scripts/refit");
     for (name, _) in page.figures {
         assert!(page.text.contains(&format!("{name}.svg")) && root().join(format!("fits/paper/{name}.svg")).is_file());
     }

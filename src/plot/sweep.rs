@@ -79,15 +79,17 @@ pub struct FitMark {
 pub fn strip_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     check::count(CHART, "columns", (2, CELLS), sweep.x.len())?;
     check::length(CHART, "colours of the strip", sweep.x.len(), sweep.strip.len())?;
-    let y_edges = vec![0.0, 1.0];
-    let title = format!("at {}", sweep.strip_label);
-    let panel = Panel { bare_y: true, title, ..coloured(sweep, y_edges, &sweep.strip) };
-    let outside: Vec<f64> = sweep.strip.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
-    let marks = outside_marks(&sweep.x, &[0.5], &outside, &sweep.outside);
+    let panel = Panel {
+        bare_y: true,
+        title: format!("at {}", sweep.strip_label),
+        x_label: sweep.x_label.clone(),
+        vertical_lines: upright(&sweep.fits, &sweep.x),
+        ..coloured(&sweep.x, &[0.5], &sweep.strip, &sweep.outside)
+    };
     Ok(Figure {
         title: sweep.title.clone(),
         subtitle: sweep.subtitle.clone(),
-        panels: vec![Panel { points: marks, ..panel }],
+        panels: vec![panel],
         columns: None,
         plot_size: Some(STRIP_SIZE),
     })
@@ -109,14 +111,13 @@ pub fn sweep_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     }
     check::length(CHART, "colours", sweep.x.len() * sweep.y.len(), sweep.cells.len())?;
     check::length(CHART, "reflectivities", sweep.x.len() * sweep.wavelengths.len(), sweep.reflectivity.len())?;
-    let outside: Vec<f64> = sweep.cells.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
-    let mut chart = coloured(sweep, edges_around(&sweep.y), &sweep.cells);
-    chart.y_label.clone_from(&sweep.y_label);
-    chart.title = "colour".to_owned();
-    chart.points = outside_marks(&sweep.x, &sweep.y, &outside, &sweep.outside);
-    let (x, y) = contour(&sweep.x, &sweep.y, &outside, 0.5);
-    let name = if chart.points.is_empty() { String::new() } else { "edge of sRGB".to_owned() };
-    chart.lines.push(LineSeries { name, x, y, colour: BLACK, width: 1.0, ..LineSeries::default() });
+    let chart = Panel {
+        title: "colour".to_owned(),
+        x_label: sweep.x_label.clone(),
+        y_label: sweep.y_label.clone(),
+        vertical_lines: upright(&sweep.fits, &sweep.x),
+        ..coloured(&sweep.x, &sweep.y, &sweep.cells, &sweep.outside)
+    };
     let heat = HeatMap {
         x_edges: edges_around(&sweep.x),
         y_edges: edges_around(&sweep.wavelengths),
@@ -142,12 +143,18 @@ pub fn sweep_figure(sweep: &Sweep) -> Result<Figure, PlotError> {
     })
 }
 
-fn coloured(sweep: &Sweep, y_edges: Vec<f64>, cells: &[Option<Cell>]) -> Panel {
+/// The cells at the middles `x` and `y`, with dots and an outline named `marked` for those that are not the colour itself.
+///
+/// A single row is one unit high.
+pub(crate) fn coloured(x: &[f64], y: &[f64], cells: &[Option<Cell>], marked: &str) -> Panel {
     let colours = cells.iter().map(|cell| cell.map(|cell| cell.bytes)).collect();
+    let y_edges = if let [middle] = y { vec![middle - 0.5, middle + 0.5] } else { edges_around(y) };
+    let outside: Vec<f64> = cells.iter().map(|cell| f64::from(u8::from(is_outside(cell)))).collect();
+    let (outline_x, outline_y) = contour(x, y, &outside, 0.5);
     Panel {
-        x_label: sweep.x_label.clone(),
-        colours: Some(ColourGrid { x_edges: edges_around(&sweep.x), y_edges, colours }),
-        vertical_lines: upright(&sweep.fits, &sweep.x),
+        colours: Some(ColourGrid { x_edges: edges_around(x), y_edges, colours }),
+        points: marks(x, y, &outside, marked),
+        lines: vec![LineSeries { x: outline_x, y: outline_y, colour: BLACK, width: 1.0, ..LineSeries::default() }],
         ..Panel::default()
     }
 }
@@ -158,17 +165,7 @@ fn is_outside(cell: &Option<Cell>) -> bool {
 
 /// Dots on colours that sRGB cannot show, at most 22 across and upwards, and one in the middle of each
 /// run in a row that would have none.
-///
-/// # Shape
-/// `outside: [y][x]`, 1 where a colour is outside and 0 where it is not; what is missing is not.
-///
-/// ```
-/// use morpho_fit::plot::sweep::outside_marks;
-/// assert_eq!(outside_marks(&[1.0, 2.0], &[5.0], &[0.0, 1.0], "outside")[0].x, [2.0]);
-/// assert!(outside_marks(&[1.0, 2.0], &[5.0], &[0.0, 0.0], "outside").is_empty());
-/// ```
-#[must_use]
-pub fn outside_marks(x: &[f64], y: &[f64], outside: &[f64], name: &str) -> Vec<PointSeries> {
+fn marks(x: &[f64], y: &[f64], outside: &[f64], name: &str) -> Vec<PointSeries> {
     let every = |count: usize| count.div_ceil(MARKS).max(1);
     let (across, up) = (every(x.len()), every(y.len()));
     let mut dots = PointSeries { name: name.to_owned(), colour: BLACK, ..PointSeries::default() };

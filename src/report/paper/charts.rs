@@ -1,26 +1,29 @@
 //! The pictures of the paper's page.
 
+use super::numbers::LAMELLA_WAVELENGTHS;
 use super::{Pair, PaperError, RIDGES, printed};
-use crate::colorimetry::{Illuminant, Observer, Xyz, printed_rgb};
+use crate::colorimetry::{Illuminant, Observer, Shown, Xyz, printed_rgb};
 use crate::geometry::{Geometry, Polarization};
 use crate::optics::{BlendModel, ReflectivityModel, Structure};
-use crate::plot::sweep::outside_marks;
-use crate::plot::{ColourGrid, ColourMap, Figure, HeatMap, LineSeries, Panel, PointSeries};
+use crate::plot::sweep::{Cell, coloured};
+use crate::plot::{ColourMap, Figure, HeatMap, LineSeries, Panel, PointSeries};
 use crate::spectrum::Wavelengths;
 use crate::sweep::Curve;
 use crate::synthetic::linspace;
 use crate::units::radians;
 
-/// Wavelengths of the curves, nm: those of PHYSICS' table about the peak of Table 1, and the multilayer's own peak.
-const LAMELLA_WAVELENGTHS: [f64; 7] = [400.0, 420.0, 440.0, 460.0, 470.0, 480.0, 500.0];
-const MULTILAYER_WAVELENGTHS: [f64; 6] = [440.0, 480.0, 500.0, 583.0, 680.0, 700.0];
+/// Wavelengths of Model B's curves, nm: its peak, and both flanks. Between 520 and 670 nm it reflects so evenly that lines
+/// would hide each other.
+const MULTILAYER_WAVELENGTHS: [f64; 7] = [440.0, 480.0, 500.0, 510.0, 583.0, 690.0, 700.0];
 const STRIP_SIZE: (f64, f64) = (760.0, 90.0);
 const CHART_SIZE: (f64, f64) = (400.0, 330.0);
-const OUTSIDE: &str = "outside sRGB: chroma reduced at constant hue and lightness";
 const RED: usize = 1;
 const GREEN: usize = 2;
 const BLUE: usize = 0;
 const BLACK: usize = 6;
+/// What the dots mean.
+const CUT: &str = "as printed: cut at 0 or 1";
+const OUTSIDE: &str = "right: outside sRGB, shown with less chroma";
 
 fn line(name: &str, x: &[f64], y: Vec<f64>, colour: usize) -> LineSeries {
     LineSeries { name: name.to_owned(), x: x.to_vec(), y, colour, ..LineSeries::default() }
@@ -54,8 +57,8 @@ pub(super) fn matching() -> Result<Figure, PaperError> {
     let x: Vec<f64> = Wavelengths::finest().iter().collect();
     let xyz: Vec<[f64; 3]> = x.iter().map(|&wavelength| Observer::Cie1931.matching(wavelength)).collect();
     let rgb = xyz.iter().map(|&values| printed_rgb(Xyz::from_array(values))).collect::<Result<Vec<_>, _>>()?;
-    let panel = |title: &str, names: [&str; 3], values: &[[f64; 3]]| {
-        let lines = names.into_iter().zip([RED, GREEN, BLUE]).enumerate();
+    let panel = |title: &str, values: &[[f64; 3]]| {
+        let lines = ["r or x", "g or y", "b or z"].into_iter().zip([RED, GREEN, BLUE]).enumerate();
         let lines = lines.map(|(channel, (name, colour))| {
             line(name, &x, values.iter().map(|value| value[channel]).collect(), colour)
         });
@@ -64,16 +67,21 @@ pub(super) fn matching() -> Result<Figure, PaperError> {
             x_label: "wavelength / nm".to_owned(),
             y_label: "matching function".to_owned(),
             lines: lines.collect(),
+            x_range: Some((380.0, 780.0)),
+            y_range: Some((-0.6, 2.1)),
             horizontal_lines: vec![0.0],
             ..Panel::default()
         }
     };
     Ok(Figure {
         title: "Fig. 10: CIE 1931 colour-matching functions".to_owned(),
-        subtitle: "CIE RGB has the primaries 700, 546.1 and 435.8 nm; a perfect white is 1, 1, 1 in both".to_owned(),
+        subtitle:
+            "CIE RGB has the primaries 700, 546.1 and 435.8 nm, taken for those of the display; a perfect white is \
+                   1, 1, 1 in both"
+                .to_owned(),
         panels: vec![
-            panel("as printed: r, g, b of CIE RGB, taken for those of the display", ["r", "g", "b"], &rgb),
-            panel("right: x, y, z, then the matrix of sRGB", ["x", "y", "z"], &xyz),
+            panel("as printed: r, g, b of CIE RGB", &rgb),
+            panel("right: x, y, z, then the matrix of sRGB", &xyz),
         ],
         ..Figure::default()
     })
@@ -142,37 +150,30 @@ pub(super) fn multilayer() -> Result<Figure, PaperError> {
     })
 }
 
-fn edges(values: &[f64]) -> Vec<f64> {
-    let step = values.windows(2).next().map_or(1.0, |pair| pair[1] - pair[0]);
-    #[allow(clippy::cast_precision_loss, reason = "a number of cells is small")]
-    let edge = |index: usize| values.first().copied().unwrap_or_default() + (index as f64 - 0.5) * step;
-    (0..=values.len()).map(edge).collect()
+/// Both readings as they are shown.
+fn cells(pairs: &[Pair]) -> [Vec<Option<Cell>>; 2] {
+    let printed = pairs.iter().map(|pair| pair.printed.map(|printed| cell(&printed)));
+    let right = pairs.iter().map(|pair| Some(cell(&pair.right)));
+    [printed.collect(), right.collect()]
 }
 
-/// 1 for each right colour that sRGB cannot show.
-fn outside(pairs: &[Pair]) -> Vec<f64> {
-    pairs.iter().map(|pair| f64::from(u8::from(pair.outside))).collect()
+fn cell(shown: &Shown) -> Cell {
+    Cell { bytes: shown.bytes, outside: shown.outside }
 }
 
-/// Fig. 16: the colours at normal incidence.
+/// Fig. 16: the colours of light along the normal of the wing.
 pub(super) fn strips(gaps: &[f64], pairs: &[Pair]) -> Figure {
-    let strip = |title: &str, colours: Vec<Option<[u8; 3]>>| Panel {
+    let strip = |title: &str, cells: &[Option<Cell>], marked: &str| Panel {
         title: title.to_owned(),
         x_label: "d_air / nm, d_cuticle = 235 nm − d_air".to_owned(),
-        colours: Some(ColourGrid { x_edges: edges(gaps), y_edges: vec![0.0, 1.0], colours }),
         bare_y: true,
-        ..Panel::default()
+        ..coloured(gaps, &[0.5], cells, marked)
     };
+    let [printed, right] = cells(pairs);
     Figure {
         title: "Fig. 16: colour against the thickness of the air layer".to_owned(),
-        subtitle: "ω = 90°, θ = φ = 0°; not the paper's green, blue, cyan to purple".to_owned(),
-        panels: vec![
-            strip("as printed", pairs.iter().map(|pair| pair.printed).collect()),
-            Panel {
-                points: outside_marks(gaps, &[0.5], &outside(pairs), OUTSIDE),
-                ..strip("right", pairs.iter().map(|pair| Some(pair.right)).collect())
-            },
-        ],
+        subtitle: "Table 1 (δ = 2.5°), ω = 90°, θ = φ = 0°; not the paper's green, blue, cyan to purple".to_owned(),
+        panels: vec![strip("as printed", &printed, CUT), strip("right", &right, OUTSIDE)],
         columns: Some(1),
         plot_size: Some(STRIP_SIZE),
     }
@@ -180,19 +181,19 @@ pub(super) fn strips(gaps: &[f64], pairs: &[Pair]) -> Figure {
 
 /// Fig. 16 over the angle, and how far the two are apart.
 pub(super) fn chart(gaps: &[f64], angles: &[f64], pairs: &[Pair]) -> Figure {
-    let (x_edges, y_edges) = (edges(gaps), edges(angles));
-    let panel = |title: &str| Panel {
+    let [printed, right] = cells(pairs);
+    let panel = |title: &str, panel: Panel| Panel {
         title: title.to_owned(),
         x_label: "d_air / nm".to_owned(),
         y_label: "θ / °, φ = −θ".to_owned(),
-        ..Panel::default()
+        ..panel
     };
-    let grid = |colours| ColourGrid { x_edges: x_edges.clone(), y_edges: y_edges.clone(), colours };
-    let printed = grid(pairs.iter().map(|pair| pair.printed).collect());
-    let right = grid(pairs.iter().map(|pair| Some(pair.right)).collect());
+    let printed = panel("as printed", coloured(gaps, angles, &printed, CUT));
+    let right = panel("right", coloured(gaps, angles, &right, OUTSIDE));
+    let edges = right.colours.clone().unwrap_or_default();
     let difference = HeatMap {
-        x_edges: x_edges.clone(),
-        y_edges: y_edges.clone(),
+        x_edges: edges.x_edges,
+        y_edges: edges.y_edges,
         values: pairs.iter().map(|pair| pair.difference.unwrap_or(f64::NAN)).collect(),
         label: "ΔE₀₀ (CIEDE2000)".to_owned(),
         colours: ColourMap::Viridis,
@@ -200,16 +201,9 @@ pub(super) fn chart(gaps: &[f64], angles: &[f64], pairs: &[Pair]) -> Figure {
     };
     Figure {
         title: "Fig. 16 over the angle: colour against the thickness of the air layer, ω = 90°".to_owned(),
-        subtitle: "d_cuticle = 235 nm − d_air; white: Snell's law as printed has no ray there".to_owned(),
-        panels: vec![
-            Panel { colours: Some(printed), ..panel("as printed") },
-            Panel {
-                colours: Some(right),
-                points: outside_marks(gaps, angles, &outside(pairs), OUTSIDE),
-                ..panel("right")
-            },
-            Panel { heat: Some(difference), ..panel("difference") },
-        ],
+        subtitle: "Table 1 (δ = 2.5°), d_cuticle = 235 nm − d_air; white: Snell's law as printed has no ray there"
+            .to_owned(),
+        panels: vec![printed, right, panel("difference", Panel { heat: Some(difference), ..Panel::default() })],
         columns: Some(3),
         plot_size: Some(CHART_SIZE),
     }

@@ -4,10 +4,10 @@ mod charts;
 mod numbers;
 mod text;
 
-pub use numbers::{GAPS, Lobe, PERIOD, lobe, no_ray_beyond, peak, untilted};
+pub use numbers::{GAPS, Lobe, PERIOD, lobe, mirrored, no_ray_beyond, peak, untilted};
 
 use crate::colorimetry::{
-    ColourError, GamutMapping, Illuminant, Lab, Observer, RgbSpace, RgbTransform, Xyz, printed_rgb,
+    ColourError, GamutMapping, Illuminant, Lab, Observer, RgbSpace, RgbTransform, Shown, Xyz, printed_rgb,
 };
 use crate::geometry::{Geometry, Polarization};
 use crate::optics::{Admittance, BlendModel, LamellaUnit, PaperModel, Snell, Structure};
@@ -19,10 +19,10 @@ use crate::units::radians;
 
 /// Trees in Table 1.
 const RIDGES: f64 = 50.0;
-/// Incidences of the chart of Fig. 16, degrees, with the view in the mirror direction.
+/// Incidences of the chart of Fig. 16, by 1.5°, with the view in the mirror direction of the wing.
 const ANGLES: usize = 51;
-/// Columns of the chart.
-const COLUMNS: usize = 56;
+/// Columns of the chart, by 2.5 nm: every gap of [`GAPS`] is one.
+const COLUMNS: usize = 67;
 
 /// First line of the text.
 pub const TITLE: &str = "# The paper's figures and table";
@@ -75,11 +75,10 @@ pub fn printed() -> PaperModel {
 pub(crate) struct Pair {
     pub(crate) structure: Structure,
     pub(crate) geometry: Geometry,
-    /// Encoded sRGB of the printed sum, cut at 0 and 1; none where the printed law has no ray.
-    pub(crate) printed: Option<[u8; 3]>,
+    /// The printed sum in the display's primaries, cut at 0 and 1; none where the printed law has no ray.
+    pub(crate) printed: Option<Shown>,
     /// The right colour, its chroma lowered where sRGB ends.
-    pub(crate) right: [u8; 3],
-    pub(crate) outside: bool,
+    pub(crate) right: Shown,
     /// CIEDE2000 between what the printed sum shows and the right colour itself.
     pub(crate) difference: Option<f64>,
 }
@@ -89,37 +88,33 @@ pub(crate) fn pairs(views: &[View]) -> Result<Vec<Pair>, PaperError> {
     let as_printed =
         Viewing { illuminant: Illuminant::E, observer: Observer::Cie1931, grid: Grid::Of(Wavelengths::paper()) };
     let light = Polarization::Unpolarized;
+    // By 1 nm, so that a colour does not depend on what else is looked at.
+    let finest = Viewing { grid: Grid::Of(Wavelengths::finest()), ..Viewing::default() };
     let wrong = colours(&printed(), views, light, &as_printed)?;
-    let right = colours(&BlendModel::default(), views, light, &Viewing::default())?;
+    let right = colours(&BlendModel::default(), views, light, &finest)?;
     let display = RgbTransform::adapted(RgbSpace::Srgb, right.white)?;
     let mut pairs = Vec::with_capacity(views.len());
     for ((view, wrong), colour) in views.iter().zip(&wrong.colours).zip(&right.colours) {
         let colour = colour.unwrap_or(Xyz { x: 0.0, y: 0.0, z: 0.0 });
-        let shown = display.show(colour, GamutMapping::default())?;
-        // As if the primaries were the display's, and cut where it ends.
-        let linear = wrong.map(printed_rgb).transpose()?.map(|rgb| rgb.map(|channel| channel.clamp(0.0, 1.0)));
         let mut pair = Pair {
             structure: view.structure,
             geometry: view.geometry,
             printed: None,
-            right: shown.bytes,
-            outside: shown.outside,
+            right: display.show(colour, GamutMapping::default())?,
             difference: None,
         };
-        if let Some(linear) = linear {
-            let seen = Lab::new(RgbSpace::Srgb.xyz(linear)?, RgbSpace::Srgb.white())?;
+        if let Some(wrong) = wrong {
+            // As if the primaries were the display's, and cut where it ends.
+            let linear = printed_rgb(*wrong)?;
+            let cut = RgbSpace::Srgb.xyz(linear.map(|channel| channel.clamp(0.0, 1.0)))?;
+            let seen = Lab::new(cut, RgbSpace::Srgb.white())?;
+            let own = RgbTransform::new(RgbSpace::Srgb);
+            pair.printed = Some(own.show(RgbSpace::Srgb.xyz(linear)?, GamutMapping::Clip)?);
             pair.difference = Some(seen.difference(Lab::new(colour, right.white)?));
-            pair.printed = Some(bytes(RgbSpace::Srgb.encode(linear)?));
         }
         pairs.push(pair);
     }
     Ok(pairs)
-}
-
-fn bytes(encoded: [f64; 3]) -> [u8; 3] {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 255")]
-    let bytes = encoded.map(|channel| (255.0 * channel.clamp(0.0, 1.0)).round() as u8);
-    bytes
 }
 
 /// The views of the chart of Fig. 16, row by row, the lowest angle first: Table 1 at omega = 90°, viewed in the mirror
@@ -134,20 +129,36 @@ fn chart_views() -> (Vec<f64>, Vec<f64>, Vec<View>) {
     (gaps, angles, views)
 }
 
+/// Table 1 in light and view along the normal of the wing, across the ridges and along them.
+fn table1_views() -> [View; 2] {
+    [0.0, 90.0].map(|omega| View {
+        structure: Structure::table1(),
+        geometry: Geometry { theta: 0.0, phi: 0.0, omega: radians(omega) },
+    })
+}
+
+/// Whether the table under Fig. 16 has a row for this gap.
+fn is_tabulated(pair: &Pair) -> bool {
+    GAPS.iter().any(|gap| (gap - pair.structure.d_air).abs() < 1e-6)
+}
+
 /// The page: Figs. 9, 10, 13/14 and 16 and Table 1.
 ///
 /// # Errors
 /// [`PaperError`] if a model or a colour has no value.
 pub fn page() -> Result<Page, PaperError> {
     let (gaps, angles, views) = chart_views();
-    let chart = pairs(&views)?;
+    let (table1, chart) = (pairs(&table1_views())?, pairs(&views)?);
+    let strip = &chart[..gaps.len()];
+    let table: Vec<Pair> = strip.iter().filter(|pair| is_tabulated(pair)).copied().collect();
     let figures = vec![
         ("fig09_illuminant", charts::illuminant()),
         ("fig10_matching", charts::matching()?),
         ("fig14_lamellae", charts::lamellae()?),
         ("fig14_multilayer", charts::multilayer()?),
-        ("fig16_strip", charts::strips(&gaps, &chart[..gaps.len()])),
+        ("fig16_strip", charts::strips(&gaps, strip)),
         ("fig16_chart", charts::chart(&gaps, &angles, &chart)),
     ];
-    Ok(Page { text: text::text(&gaps, &chart)?, figures, colours: text::colours(&chart) })
+    let colours = text::colours(&[("table_1", &table1), ("fig_16_table", &table), ("fig_16", &chart)]);
+    Ok(Page { text: text::text(&table1, &table, &gaps, &chart)?, figures, colours })
 }

@@ -4,9 +4,12 @@ use crate::geometry::{Geometry, Polarization};
 use crate::optics::{OpticsError, ReflectivityModel, Structure};
 use crate::synthetic::linspace;
 use crate::units::{degrees, radians};
+use std::f64::consts::FRAC_PI_2;
 
 /// Thicknesses of the gap in the table of peaks, nm, with the cuticle 235 nm less.
 pub const GAPS: [f64; 8] = [35.0, 60.0, 85.0, 110.0, 135.0, 160.0, 185.0, 200.0];
+/// Wavelengths of Model A's lobes, nm, about the peak of Table 1.
+pub(super) const LAMELLA_WAVELENGTHS: [f64; 7] = [400.0, 420.0, 440.0, 460.0, 470.0, 480.0, 500.0];
 /// `d_air + d_cuticle` of the paper, nm.
 pub const PERIOD: f64 = 235.0;
 
@@ -25,15 +28,22 @@ pub fn untilted(gap: f64) -> Structure {
     Structure { d_air: gap, d_cuticle: PERIOD - gap, delta: 0.0, ..Structure::table1() }
 }
 
-/// Wavelength at which the multilayer reflects most, nm, between 380 and 780, at normal incidence.
+/// Table 1 along the ridges, met at `angle` from the normal of its tilted layers and seen in their mirror direction, rad:
+/// `θ = δ + angle`, `φ = δ − angle`.
+#[must_use]
+pub fn mirrored(angle: f64) -> Geometry {
+    let delta = Structure::table1().delta;
+    Geometry { theta: delta + angle, phi: delta - angle, omega: FRAC_PI_2 }
+}
+
+/// Wavelength at which a structure reflects most, nm, between 380 and 780 by 0.1.
 ///
 /// # Errors
 /// [`OpticsError`] if the model has no value.
-pub fn peak(model: &dyn ReflectivityModel, structure: &Structure, omega: f64) -> Result<f64, OpticsError> {
-    let geometry = Geometry { theta: 0.0, phi: 0.0, omega };
+pub fn peak(model: &dyn ReflectivityModel, structure: &Structure, geometry: &Geometry) -> Result<f64, OpticsError> {
     let mut best = (f64::NEG_INFINITY, 0.0);
     for wavelength in linspace(380.0, 780.0, 4001) {
-        let value = model.reflectivity(structure, &geometry, Polarization::Unpolarized, wavelength)?;
+        let value = model.reflectivity(structure, geometry, Polarization::Unpolarized, wavelength)?;
         if value > best.0 {
             best = (value, wavelength);
         }
