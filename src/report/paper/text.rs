@@ -76,7 +76,8 @@ fn figures_of_table1(text: &mut String, colours: &[Pair]) -> Result<(), PaperErr
     text.push_str(
         "\nThe paper reports that \"the light of 480 nm wavelength reflects with the strongest intense and the wing shows \
          cyan color\". That is Model A's; **with these values Model B is yellow**. ΔE₀₀ (CIEDE2000) goes from what the \
-         printed sum shows to the right colour itself, also where sRGB cannot show that.\n\n",
+         printed sum shows to the right colour itself, also where sRGB cannot show that. (cut): a channel of the printed sum \
+         is below 0 or above 1, for Model A because it is in nm².\n\n",
     );
     Ok(())
 }
