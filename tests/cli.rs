@@ -47,7 +47,7 @@ fn a_simulated_measurement_is_checked_and_fitted() {
     assert!(fs::read(place.join("curves.png")).unwrap().starts_with(b"\x89PNG"));
     let page = fs::read_to_string(place.join("report.html")).unwrap();
     assert!(page.contains("<h1>All five parameters are determined</h1>") && page.contains("blue.csv"), "{page}");
-    assert_eq!(page.matches("<figure>").count(), 3);
+    assert_eq!(page.matches("<figure>").count(), 4);
     // A page of an earlier fit does not stay beside the results of another.
     succeeds(&folder, "blue.csv --no-plots");
     assert_eq!(names(&place), ["curves.csv", "fit.json"]);

@@ -27,7 +27,7 @@ fn all_intervals_are_asked_at_once_and_leave_their_numbers_and_pictures() {
     assert_eq!(rows("bootstrap.csv"), 401);
     assert!(rows("posterior.csv") > 1000 && rows("profile.csv") > 50);
     let page = fs::read_to_string(folder.path().join("all/report.html")).unwrap();
-    assert_eq!(page.matches("<figure>").count(), 6);
+    assert_eq!(page.matches("<figure>").count(), 7);
     assert!(page.contains("id=\"intervals\"") && page.contains("bootstrap, residuals"), "intervals in the page");
     // A later fit without intervals takes their files away: they would belong to another result.
     succeeds(&folder, "blue.csv --out all");
