@@ -67,9 +67,10 @@ pub(crate) struct SweepArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Axes (START:STOP:STEP for a range, | between single values)")]
 pub(crate) struct AxesArgs {
-    /// Parameter across, with its range: d_air, d_cuticle, lamella_width in nm, delta in deg, phi_alpha in rad.
-    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = values::bounds, default_value = "d_air=35:200")]
-    pub(crate) vary: Given,
+    /// Parameter across, with its range: d_air, d_cuticle, lamella_width in nm, delta in deg, phi_alpha in rad [default:
+    /// d_air=35:200, or within the period where that is shorter].
+    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = values::bounds)]
+    pub(crate) vary: Option<Given>,
     /// What stays while a thickness varies: the other one follows so that the period d_air + d_cuticle stays as it is (the
     /// paper's rule), or the optical sum, or it stays itself.
     #[arg(long, value_name = "WORD", default_value = "period")]

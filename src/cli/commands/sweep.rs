@@ -5,6 +5,7 @@ use crate::commands::{chart_files, drawn, refuse_to_replace};
 use crate::exit::{Outcome, Usage};
 use crate::output::{self, Folder, WIDTH};
 use crate::subject::Subject;
+use crate::values::Given;
 use crate::viewing::viewing;
 use anyhow::{Context, Result};
 use clap::Parser;
@@ -18,7 +19,7 @@ use morpho_fit::plot::sweep::{Cell, FitMark, Sweep, strip_figure, sweep_figure};
 use morpho_fit::report::swatches::shows_the_multilayer;
 use morpho_fit::report::terminal;
 use morpho_fit::spectrum::Wavelengths;
-use morpho_fit::sweep::{Colours, View, colours, spectra};
+use morpho_fit::sweep::{Colours, View, Viewing, colours, spectra};
 use morpho_fit::synthetic::linspace;
 use morpho_fit::units::radians;
 use std::path::PathBuf;
@@ -27,6 +28,8 @@ use std::path::PathBuf;
 const INDEX_WAVELENGTH: f64 = 560.0;
 /// Step of the reflectivity beside the chart, nm.
 const REFLECTIVITY_STEP: f64 = 5.0;
+/// Ends of the gap in a chart, nm, as in the paper's Fig. 16.
+const USUAL: (f64, f64) = (35.0, 200.0);
 /// Ends of the gap in the chart of a fit, as parts of its period.
 const GAPS: (f64, f64) = (0.15, 0.985);
 
@@ -89,7 +92,7 @@ fn swept(args: &SweepArgs, subject: &Subject) -> Result<Swept> {
     let found = colours(subject.model.as_ref(), &all, Polarization::Unpolarized, &viewing);
     let found = found.context("no colours (--wavelengths 400:700:5 asks for other wavelengths)")?;
     let shown = shown(&found, mapping)?;
-    let chart = chart(args, subject, &axis, &strip, &shown, mapping)?;
+    let chart = chart(args, subject, &axis, &strip, &shown, &viewing, mapping)?;
     let (of_chart, of_strip) = shown.split_at(views.len());
     let lines = vec![
         chart.subtitle.clone(),
@@ -112,9 +115,13 @@ struct Axis {
 
 impl Axis {
     fn of(args: &AxesArgs, subject: &Subject) -> Result<Self> {
-        let parameter = args.vary.parameter;
-        let Role::Free { lower, upper } = args.vary.role else {
-            return Err(Usage("--vary needs a range, such as d_air=35:200".to_owned()).into());
+        let (parameter, lower, upper) = match args.vary {
+            Some(Given { parameter, role: Role::Free { lower, upper } }) => (parameter, lower, upper),
+            _ if subject.structure.period() < USUAL.1 => {
+                let period = subject.structure.period();
+                (Parameter::DAir, GAPS.0 * period, GAPS.1 * period)
+            }
+            _ => (Parameter::DAir, USUAL.0, USUAL.1),
         };
         let (rule, links) = links(args, parameter, subject)?;
         let inside = linspace(lower, upper, args.columns.into());
@@ -210,6 +217,7 @@ fn chart(
     axis: &Axis,
     strip: &[View],
     shown: &[Option<Shown>],
+    viewing: &Viewing,
     mapping: GamutMapping,
 ) -> Result<Sweep> {
     let cell = |shown: &Option<Shown>| shown.map(|shown| Cell { bytes: shown.bytes, outside: shown.outside });
@@ -231,7 +239,14 @@ fn chart(
     let (wavelengths, reflectivity) = reflectivity(subject.model.as_ref(), strip)?;
     Ok(Sweep {
         title: format!("{}: colour against {}, ω = {}°", subject.name, axis.parameter, args.axes.omega),
-        subtitle: format!("{}; here {}", subject.values(), axis.rule),
+        subtitle: format!(
+            "{}; here {}; {} observer, light {}, model {}",
+            subject.values(),
+            axis.rule,
+            viewing.observer.name(),
+            viewing.illuminant.name(),
+            subject.model.name()
+        ),
         x_label: format!("{} / {}", axis.parameter, axis.parameter.unit()),
         x: axis.at.clone(),
         y_label,
