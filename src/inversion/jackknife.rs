@@ -14,20 +14,23 @@ const ROUGH: Tolerances = Tolerances { cost: 1e-5, step: 1e-5, gradient: 1e-8, m
 /// Spread of the five values and of the nuisances `in_use` about `point`, in that order; `None` without two blocks.
 ///
 /// Each fit starts from the minimum of the whole that is best without the block: where a part decides between minima, the
-/// spread has their distance in it.
-pub(crate) fn jackknife(found: &Found<'_>, point: &Evaluation, in_use: &[usize]) -> Option<Spread> {
+/// spread has their distance in it. With `halves` the finer grouping stands alone: where residuals may be noise that was stated
+/// too small, a curve that is needed is not left out whole.
+pub(crate) fn jackknife(found: &Found<'_>, point: &Evaluation, in_use: &[usize], halves: bool) -> Option<Spread> {
     let freedom = &found.space.freedom;
     let others = found.minima.iter().skip(1);
     let others = others.map(|minimum| freedom.restrict(&found.searched.freedom.expand(&minimum.parameters)));
     let starts: Vec<DVector<f64>> = std::iter::once(found.best.parameters.clone()).chain(others).collect();
     let curves: Vec<usize> = found.plan.readings.iter().map(|reading| reading.curve).collect();
-    let differences = groupings(&curves).map(|blocks| {
+    let without_each = |blocks: &Blocks| {
         let fits: Vec<DVector<f64>> = (0..blocks.count)
             .into_par_iter()
-            .filter_map(|block| without(found, &starts, &blocks, block, point, in_use))
+            .filter_map(|block| without(found, &starts, blocks, block, point, in_use))
             .collect();
         DMatrix::from_fn(fits.len(), COUNT + in_use.len(), |row, column| fits[row][column])
-    });
+    };
+    let groupings = groupings(&curves);
+    let differences: Vec<DMatrix<f64>> = groupings[usize::from(halves)..].iter().map(without_each).collect();
     Spread::new(&differences)
 }
 

@@ -74,8 +74,9 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let told = if found.data.has_sigma() { reduced > UNHEARD } else { unit > ROUNDING * largest };
     let tests = tests_by_curve(found, &readings);
     // Residuals a little larger than stated that look like noise are noise: a factor mends it.
-    let noise = is_noise(&tests, reduced / (unit * unit)) && !(missed && reduced > LOUD);
+    let noise = is_noise(&tests, reduced / (unit * unit));
     let structured = told && (correlation_of_residuals.deviations > STRUCTURED || !noise);
+    let loud = missed && noise && reduced > LOUD;
     let by_structure = if structured { correlation_of_residuals.widening() } else { 1.0 };
     let sigma_source = match (missed || structured, found.data.has_sigma()) {
         (true, _) => SigmaSource::Widened,
@@ -84,8 +85,9 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     };
     let (plain_unit, unit) = (unit * by_misfit, unit * by_misfit * by_structure);
     let mut uncertainty = Uncertainty::new(found, &problem, &point, &in_use, unit, dof, sigma_source);
-    let bent = structured || (missed && !noise);
-    let by_spread = if bent { uncertainty.widen(jackknife(found, &point, &in_use), dof) } else { 1.0 };
+    let bent = structured || loud || (missed && !noise);
+    let by_spread =
+        if bent { uncertainty.widen(jackknife(found, &point, &in_use, loud && !structured), dof) } else { 1.0 };
     let widened_by = by_misfit * by_structure * by_spread;
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
@@ -116,8 +118,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     }
     if (missed || structured) && !by_chance {
         let times = missed.then(|| reduced.sqrt());
-        let agree = told && correlation_of_residuals.deviations > STRUCTURED;
-        let correlation = agree.then_some(correlation_of_residuals.value);
+        let correlation = structured.then_some(correlation_of_residuals.value);
         warnings.push(wording::missed(times, correlation, bent, widened_by));
     }
     if let Some(worst) = warnings::outlier(found, &readings, chi2).filter(|_| missed || by_chance) {
