@@ -31,7 +31,10 @@ pub(crate) fn jackknife(found: &Found<'_>, point: &Evaluation, in_use: &[usize],
     };
     let groupings = groupings(&curves);
     let differences: Vec<DMatrix<f64>> = groupings[usize::from(halves)..].iter().map(without_each).collect();
-    Spread::new(&differences)
+    let mut spread = Spread::new(&differences)?;
+    // Halves of one curve share its error: they are no more independent than the curves.
+    spread.dof = spread.dof.min(groupings[0].count.saturating_sub(1)).max(1);
+    Some(spread)
 }
 
 /// The best point without `block` less `point`; `None` if the model has no value there.

@@ -80,5 +80,10 @@ fn colours(swatches: &[Swatch]) -> String {
         return String::new();
     }
     let items: String = swatches.iter().map(Swatch::item).collect();
-    format!("<ul class=\"swatches\">\n{items}</ul>\n")
+    let seen = element(
+        "p",
+        "As the CIE 1931 2° observer sees them in daylight (D65), mirrored by the layers themselves; Y is 1 for a perfect white. \
+         How sure they are is from the covariance: a difference ΔE₀₀ of 1 is just seen.",
+    );
+    format!("{seen}<ul class=\"swatches\">\n{items}</ul>\n")
 }
