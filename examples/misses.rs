@@ -7,7 +7,7 @@
 //!
 //! Truths lie evenly over the default bounds; sources and designs are those of `tests/support/misses.rs`. A row names the
 //! cases, the share that is flagged, the share in which the fit names no thickness, and the median factor of widening of
-//! the flagged; then, of all cases and of the flagged, the share of printed intervals of 68.3 % and 95 % that hold the truth.
+//! the flagged; what the cases that are neither miss, of chi² without noise; then, of all cases and of the flagged, the share of printed intervals of 68.3 % and 95 % that hold the truth.
 #![allow(unreachable_pub, dead_code, reason = "an example shares its helpers with the tests")]
 
 #[path = "../tests/support/disorder.rs"]
@@ -15,7 +15,7 @@ mod disorder;
 #[path = "../tests/support/misses.rs"]
 mod misses;
 
-use misses::{Case, Design, Source, cases, coverage, is_flagged, is_refused, median};
+use misses::{Case, Design, Source, cases, coverage, is_flagged, is_refused, median, misfit_without_noise};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -46,6 +46,18 @@ fn print(source: Source, design: Design, cases: &[Case]) {
         share(flagged.len(), total),
         share(refused, total)
     );
+    let unseen: Vec<(f64, f64)> =
+        (cases.iter().filter(|case| source != Source::Blend && !is_flagged(case) && !is_refused(case)))
+            .map(|case| misfit_without_noise(source, design, case))
+            .collect();
+    if let Some(largest) = unseen.iter().map(|(chi2, _)| *chi2).max_by(f64::total_cmp) {
+        println!(
+            "    {} neither: chi² without noise {:.1} (median), {largest:.1} (largest); sd of chi² of noise alone {:.1}",
+            unseen.len(),
+            median(unseen.iter().map(|(chi2, _)| *chi2).collect()),
+            median(unseen.iter().map(|(_, sd)| *sd).collect())
+        );
+    }
     for (which, cases) in [("all", all), ("flagged", flagged)] {
         for found in coverage(&cases) {
             println!(

@@ -3,7 +3,7 @@
 
 mod support;
 
-use support::misses::{Case, Design, Source, cases, coverage, is_flagged};
+use support::misses::{Case, Design, Source, cases, coverage, is_flagged, is_refused, misfit_without_noise};
 
 /// Largest number of `cases` that a share of `outside` leaves, but for one run in two hundred: the mean and 2.6 standard
 /// deviations of the binomial.
@@ -45,6 +45,19 @@ fn layers_that_differ_are_flagged_and_period_and_sum_are_held() {
         let flagged: Vec<&Case> = cases.iter().filter(|case| is_flagged(case)).collect();
         assert!(flagged.len() >= count * 2 / 3, "{source:?}, {design:?}: {} of {count} flagged", flagged.len());
         assert_held(&format!("{source:?}, {design:?}"), &flagged, count / 2);
+    }
+}
+
+#[test]
+fn what_is_not_flagged_is_hidden_by_the_noise() {
+    // A test that errs once in 10,000 cannot see what adds less than its 3.7 standard deviations of chi² to the noise's.
+    let (source, design) = (Source::Ensemble, Design::Full);
+    let cases = cases(source, design, 60);
+    let silent: Vec<&Case> = cases.iter().filter(|case| !is_flagged(case) && !is_refused(case)).collect();
+    assert!(!silent.is_empty(), "no case is in the noise: the test says nothing");
+    for case in silent {
+        let (misfit, deviation) = misfit_without_noise(source, design, case);
+        assert!(misfit < 3.7 * deviation, "case {}: chi² {misfit:.0} without noise is not flagged", case.number);
     }
 }
 

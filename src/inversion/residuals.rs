@@ -3,6 +3,7 @@
 use crate::inversion::estimates::Found;
 use crate::inversion::outcome::{CurveResiduals, FittedReading};
 use crate::uncertainty::discrepancy::{ResidualTests, residual_tests};
+use crate::uncertainty::goodness::excess;
 
 /// A correlation beyond this counts as this: the rule for it has no limit.
 const MOST_CORRELATED: f64 = 0.99;
@@ -45,6 +46,26 @@ pub(crate) fn tests_by_curve(found: &Found<'_>, readings: &[FittedReading]) -> V
         curves[planned.curve].push(fitted.normalised);
     }
     curves.iter().map(|residuals| (residual_tests(residuals), residuals.len())).collect()
+}
+
+/// A curve that the model misses, and by how many times its noise.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MissedCurve {
+    pub(crate) curve: usize,
+    pub(crate) times: f64,
+}
+
+/// The curve whose chi² exceeds its number of readings most, if that is more than chance leaves to the worst of so many: with
+/// `deviations` allowed to one curve, `sqrt(deviations² + 2 ln n)` to the worst of `n`.
+pub(crate) fn worst_curve(tests: &[(ResidualTests, usize)], deviations: f64) -> Option<MissedCurve> {
+    #[allow(clippy::cast_precision_loss, reason = "a count of curves is small")]
+    let allowed = (deviations * deviations + 2.0 * (tests.len().max(1) as f64).ln()).sqrt();
+    let each = tests.iter().map(|&(tests, readings)| excess(tests.chi2, readings));
+    let (curve, worst) = each.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (residuals, readings) = tests[curve];
+    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+    let times = (residuals.chi2 / readings as f64).sqrt();
+    (worst > allowed).then_some(MissedCurve { curve, times })
 }
 
 pub(crate) fn curve_residuals(found: &Found<'_>, tests: &[(ResidualTests, usize)]) -> Vec<CurveResiduals> {

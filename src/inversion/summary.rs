@@ -12,7 +12,7 @@ use crate::inversion::outcome::{
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
 use crate::inversion::quantity::indices;
-use crate::inversion::residuals::{curve_residuals, neighbours, tests_by_curve};
+use crate::inversion::residuals::{curve_residuals, neighbours, tests_by_curve, worst_curve};
 use crate::inversion::settings::Search;
 use crate::inversion::undetermined::{Held, unit_of_residuals};
 use crate::inversion::{warnings, wording};
@@ -66,7 +66,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let reduced = if dof > 0 { chi2 / dof as f64 } else { f64::NAN };
-    let missed = found.data.has_sigma() && found.settings.loss == Loss::Linear && excess(chi2, dof) > MISSED;
+    let comparable = found.data.has_sigma() && found.settings.loss == Loss::Linear;
+    let missed = comparable && excess(chi2, dof) > MISSED;
     let by_misfit = if missed { reduced.sqrt() } else { 1.0 };
     let correlation_of_residuals = neighbours(found, &readings);
     // Residuals far below the stated noise, or below rounding, are not the model's: they have no say.
@@ -77,15 +78,17 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let noise = is_noise(&tests, reduced / (unit * unit));
     let structured = told && (correlation_of_residuals.deviations > STRUCTURED || !noise);
     let loud = missed && noise && reduced > LOUD;
+    // One curve beyond its noise, among others that fit, is lost in the sum over all.
+    let lone = if missed || !comparable { None } else { worst_curve(&tests, MISSED) };
     let by_structure = if structured { correlation_of_residuals.widening() } else { 1.0 };
-    let sigma_source = match (missed || structured, found.data.has_sigma()) {
+    let sigma_source = match (missed || structured || lone.is_some(), found.data.has_sigma()) {
         (true, _) => SigmaSource::Widened,
         (false, true) => SigmaSource::Stated,
         (false, false) => SigmaSource::Scatter,
     };
     let (plain_unit, unit) = (unit * by_misfit, unit * by_misfit * by_structure);
     let mut uncertainty = Uncertainty::new(found, &problem, &point, &in_use, unit, dof, sigma_source);
-    let bent = structured || loud || (missed && !noise);
+    let bent = structured || loud || lone.is_some() || (missed && !noise);
     let by_spread =
         if bent { uncertainty.widen(jackknife(found, &point, &in_use, loud && !structured), dof) } else { 1.0 };
     let widened_by = by_misfit * by_structure * by_spread;
@@ -116,8 +119,11 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
             )
         });
     }
-    if (missed || structured) && !by_chance {
-        let times = missed.then(|| reduced.sqrt());
+    if (missed || structured || lone.is_some()) && !by_chance {
+        let times = match lone {
+            Some(lone) => Some((lone.times, Some(&found.data.curves()[lone.curve]))),
+            None => missed.then(|| (reduced.sqrt(), None)),
+        };
         let correlation = structured.then_some(correlation_of_residuals.value);
         warnings.push(wording::missed(times, correlation, bent, widened_by));
     }

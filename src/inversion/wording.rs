@@ -37,10 +37,18 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     }
 }
 
-/// The sentence of a model that misses the data, by `times` the stated noise or with a `correlation` of neighbouring
-/// residuals; `bent` if the residuals are no noise.
-pub(crate) fn missed(times: Option<f64>, correlation: Option<f64>, bent: bool, widened_by: f64) -> String {
-    let by = times.map(|times| format!(" by {times:.1} times the stated noise")).unwrap_or_default();
+/// The sentence of a model that misses the data, by `times` the stated noise (of one curve, if it is named) or with a
+/// `correlation` of neighbouring residuals; `bent` if the residuals are no noise.
+pub(crate) fn missed(
+    times: Option<(f64, Option<&String>)>,
+    correlation: Option<f64>,
+    bent: bool,
+    widened_by: f64,
+) -> String {
+    let by = times.map_or_else(String::new, |(times, curve)| {
+        let place = curve.map(|curve| format!(" in curve {curve}")).unwrap_or_default();
+        format!("{place} by {times:.1} times the stated noise")
+    });
     let agree = correlation.map(|correlation| {
         format!(": neighbouring residuals agree (correlation {correlation:.2}), which noise does not make")
     });

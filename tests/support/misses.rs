@@ -1,7 +1,7 @@
 //! Data that a model misses: simulated with another, fitted by plain `blend`, and how often intervals hold the truth.
 
 use super::disorder::Disordered;
-use morpho_fit::dataset::Dataset;
+use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::inversion::{Estimate, FitOutcome, FitSettings, Parameter, SigmaSource, Verdict, fit, structure};
 use morpho_fit::optics::{BlendModel, PaperModel, ReflectivityModel, Structure};
 use morpho_fit::optimise::Bounds;
@@ -46,6 +46,8 @@ pub enum Design {
 #[derive(Debug, Clone)]
 pub struct Case {
     pub truth: Structure,
+    /// Which of its source and design it is.
+    pub number: u64,
     pub outcome: FitOutcome,
 }
 
@@ -80,25 +82,39 @@ fn scans(design: Design, model: &dyn ReflectivityModel, truth: &Structure) -> Ve
     }
 }
 
-fn data(source: Source, design: Design, truth: &Structure, case: u64) -> Dataset {
+/// Data with noise of `noise` times the largest reading.
+fn data(source: Source, design: Design, truth: &Structure, case: u64, noise: f64) -> Dataset {
     let model: Box<dyn ReflectivityModel> = match source {
         Source::Blend => Box::new(BlendModel::default()),
         Source::Paper => Box::new(PaperModel::default()),
         Source::Ensemble => Box::new(Disordered::ensemble(DISORDER, STACKS, 1000 + case)),
         Source::Single => Box::new(Disordered::single(DISORDER, 5000 + case)),
     };
-    simulate(model.as_ref(), truth, &scans(design, model.as_ref(), truth), 1.0, NOISE, case).unwrap()
+    simulate(model.as_ref(), truth, &scans(design, model.as_ref(), truth), 1.0, noise, case).unwrap()
 }
 
 /// Simulates and fits `count` cases.
 pub fn cases(source: Source, design: Design, count: usize) -> Vec<Case> {
     (truths(count).into_par_iter().enumerate())
         .map(|(case, truth)| {
-            let data = data(source, design, &truth, case as u64);
+            let data = data(source, design, &truth, case as u64, NOISE);
             let outcome = fit(&data, &FitSettings::default(), &|_| {}).unwrap().outcome;
-            Case { truth, outcome }
+            Case { truth, number: case as u64, outcome }
         })
         .collect()
+}
+
+/// What the model misses without noise, in the unit of the noise: chi² of a fit to the same readings without it, beside the
+/// standard deviation of chi² of noise alone.
+pub fn misfit_without_noise(source: Source, design: Design, case: &Case) -> (f64, f64) {
+    let bare = data(source, design, &case.truth, case.number, 0.0);
+    let sigma = data(source, design, &case.truth, case.number, NOISE).readings()[0].sigma;
+    let with_sigma = |reading: &Reading| Reading { sigma, ..*reading };
+    let readings = bare.readings().iter().map(with_sigma).collect();
+    let bare = Dataset::from_readings(readings, bare.curves().to_vec()).unwrap();
+    let outcome = fit(&bare, &FitSettings::default(), &|_| {}).unwrap().outcome;
+    #[allow(clippy::cast_precision_loss, reason = "a count of readings is small")]
+    (outcome.chi2, (2.0 * outcome.dof as f64).sqrt())
 }
 
 /// The quantities that are judged: name, estimate and truth.
