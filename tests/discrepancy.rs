@@ -37,7 +37,8 @@ fn the_mean_admittance_at_steep_angles_is_flagged_and_period_and_sum_are_held() 
 #[test]
 fn layers_that_differ_are_flagged_and_period_and_sum_are_held() {
     // Spectra of thick layers have fringes narrower than their steps, whose residuals look like noise.
-    let studies = [(Source::Ensemble, Design::Full), (Source::Single, Design::Full), (Source::Ensemble, Design::Angles)];
+    let studies =
+        [(Source::Ensemble, Design::Full), (Source::Single, Design::Full), (Source::Ensemble, Design::Angles)];
     for (source, design) in studies {
         let count = 24;
         let cases = cases(source, design, count);
