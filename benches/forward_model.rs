@@ -7,7 +7,7 @@ use divan::{Bencher, black_box};
 use morpho_fit::geometry::{Geometry, Polarization};
 use morpho_fit::optics::multilayer::amplitude::{Component, Layer, reflect_transmit};
 use morpho_fit::optics::multilayer::intensity::recurrence;
-use morpho_fit::optics::multilayer::{Period, reflectivity};
+use morpho_fit::optics::multilayer::{Period, SAndP, reflectivities, reflectivity};
 use morpho_fit::optics::{BlendModel, ReflectivityModel, Stack, Structure};
 use nalgebra::Complex;
 
@@ -51,4 +51,25 @@ fn blend(bencher: Bencher<'_, '_>, omega_deg: f64) {
     let model = BlendModel::default();
     let geometry = Geometry { theta: 0.1, phi: -0.2, omega: omega_deg.to_radians() };
     bencher.bench(|| model.reflectivity(&Structure::blue(), black_box(&geometry), Polarization::Unpolarized, 480.0));
+}
+
+/// A spectrum of 361 wavelengths at once, s and p: divide by 361 to compare with `closed_form`.
+#[divan::bench(args = LAYERS)]
+fn closed_form_of_a_spectrum(bencher: Bencher<'_, '_>, layers: usize) {
+    let media = Stack { layers, ..Stack::default() }.media(480.0).unwrap();
+    let wavelengths: Vec<f64> = (380..=740).map(f64::from).collect();
+    bencher.bench(|| reflectivities(black_box(&media), &wavelengths, PERIOD, layers, black_box(0.5)).unwrap());
+}
+
+/// The same without the checks, as the fit calls it.
+#[divan::bench(args = LAYERS)]
+fn unchecked_spectrum(bencher: Bencher<'_, '_>, layers: usize) {
+    let model = BlendModel { stack: Stack { layers, ..Stack::default() } };
+    let media = model.stack.media(480.0).unwrap();
+    let wavenumbers: Vec<f64> = (380..=740).map(|nm| std::f64::consts::TAU / f64::from(nm)).collect();
+    let mut out = vec![SAndP::default(); wavenumbers.len()];
+    bencher.bench_local(|| {
+        model.stack_reflectivities(black_box(&media), &wavenumbers, PERIOD, black_box(0.5), &mut out).unwrap();
+        black_box(&out);
+    });
 }

@@ -14,7 +14,7 @@ use morpho_fit::inversion::intervals::{PosteriorSettings, posterior};
 use morpho_fit::inversion::{
     Extent, FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
 };
-use morpho_fit::optics::multilayer::{Period, reflectivity};
+use morpho_fit::optics::multilayer::{Period, reflectivities};
 use morpho_fit::optics::{Admittance, LamellaUnit, Material, Snell, Stack, Structure};
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::units::radians;
@@ -143,11 +143,12 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
     };
     let period = Period { cuticle: n("d_cuticle_nm")?, gap: n("d_air_nm")? };
     let clock = Instant::now();
-    let mut values = Vec::with_capacity(wavelengths.len() * thetas.len());
-    for &wavelength in &wavelengths {
-        let media = stack.media(wavelength)?;
-        for &theta in &thetas {
-            values.push(reflectivity(&media, period, stack.layers, radians(theta))?.mean());
+    let media = stack.media(500.0)?;
+    let mut values = vec![0.0; wavelengths.len() * thetas.len()];
+    for (column, &theta) in thetas.iter().enumerate() {
+        let spectrum = reflectivities(&media, &wavelengths, period, stack.layers, radians(theta))?;
+        for (row, both) in spectrum.into_iter().enumerate() {
+            values[row * thetas.len() + column] = both.mean();
         }
     }
     let seconds = clock.elapsed().as_secs_f64();

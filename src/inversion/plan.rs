@@ -13,9 +13,10 @@ use crate::dataset::Dataset;
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::settings::Parts;
 use crate::optics::lamella::{self, LamellaNode};
-use crate::optics::multilayer::Period;
+use crate::optics::multilayer::{Period, SAndP};
 use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
 use rustc_hash::{FxBuildHasher, FxHashMap};
+use std::f64::consts::TAU;
 
 /// Readings that a thinned plan keeps of each curve, if it has them.
 const LEAST_OF_A_CURVE: usize = 16;
@@ -40,18 +41,32 @@ pub(crate) struct PlannedReading {
     pub(crate) curve: usize,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct StackNode {
+/// Nodes of one incidence whose media have the same indices: a spectrum, as far as these do not vary along it.
+#[derive(Debug, Clone)]
+struct StackRun {
     media: Media,
     theta: f64,
-    shares: (f64, f64),
+    /// `2 pi / wavelength` of each node, 1/nm.
+    wavenumbers: Vec<f64>,
+    /// Number of each node, and the shares of s and p in it.
+    nodes: Vec<(usize, (f64, f64))>,
+}
+
+/// Incidence and indices of a [`StackRun`], as bits.
+type RunKey = [u64; 8];
+
+fn run_key(theta: f64, media: &Media) -> RunKey {
+    let Media { ambient, cuticle, gap, base, .. } = *media;
+    [theta, ambient, cuticle.re, cuticle.im, gap.re, gap.im, base.re, base.im].map(f64::to_bits)
 }
 
 /// A data set compiled for one model.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
     model: &'a dyn ReflectivityModel,
-    stack: Vec<StackNode>,
+    stack: Vec<StackRun>,
+    /// Number of stack nodes.
+    nodes: usize,
     half_kv: Vec<f64>,
     half_ku: Vec<f64>,
     obliquity: Vec<f64>,
@@ -144,6 +159,7 @@ impl<'a> Plan<'a> {
         let mut plan = Self {
             model,
             stack: Vec::new(),
+            nodes: 0,
             half_kv: Vec::new(),
             half_ku: Vec::new(),
             obliquity: Vec::new(),
@@ -152,6 +168,7 @@ impl<'a> Plan<'a> {
             curves: data.curves().len(),
         };
         let mut stack_index = FxHashMap::default();
+        let mut run_index: FxHashMap<RunKey, usize> = FxHashMap::default();
         let mut lamella_index = FxHashMap::with_capacity_and_hasher(rows.len(), FxBuildHasher);
         let mut lobe_index = FxHashMap::default();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
@@ -184,9 +201,16 @@ impl<'a> Plan<'a> {
                     Some(&index) => index,
                     None => {
                         let media = model.stack().media(wavelength)?;
-                        plan.stack.push(StackNode { media, theta, shares: reading.polarization.shares() });
-                        stack_index.insert(key, plan.stack.len() - 1);
-                        plan.stack.len() - 1
+                        let node = plan.nodes;
+                        plan.nodes += 1;
+                        stack_index.insert(key, node);
+                        let run = *run_index.entry(run_key(theta, &media)).or_insert_with(|| {
+                            plan.stack.push(StackRun { media, theta, wavenumbers: Vec::new(), nodes: Vec::new() });
+                            plan.stack.len() - 1
+                        });
+                        plan.stack[run].wavenumbers.push(TAU / wavelength);
+                        plan.stack[run].nodes.push((node, reading.polarization.shares()));
+                        node
                     }
                 };
                 planned.lobe = *lobe_index.entry((theta.to_bits(), phi.to_bits())).or_insert_with(|| {
@@ -197,8 +221,8 @@ impl<'a> Plan<'a> {
             plan.readings.push(planned);
         }
         // The model itself may refuse the media; learn that now, and not as a fit without a finite value.
-        if let Some(node) = plan.stack.first() {
-            model.stack_reflectivity(&node.media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
+        if let Some(run) = plan.stack.first() {
+            model.stack_reflectivity(&run.media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
         }
         Ok(plan)
     }
@@ -253,12 +277,20 @@ impl<'a> Plan<'a> {
     /// NaN where the model has no answer, which a fit reads as a forbidden point.
     pub(crate) fn stack(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Vec<f64> {
         let period = Period { cuticle: d_cuticle, gap: d_air };
-        let at = |node: &StackNode| {
-            self.model
-                .stack_reflectivity(&node.media, period, node.theta - delta)
-                .map_or(f64::NAN, |both| node.shares.0 * both.s + node.shares.1 * both.p)
-        };
-        self.stack.iter().map(at).collect()
+        let mut values = vec![f64::NAN; self.nodes];
+        let mut both = Vec::new();
+        for run in &self.stack {
+            both.clear();
+            both.resize(run.wavenumbers.len(), SAndP::both(f64::NAN));
+            let angle = run.theta - delta;
+            if self.model.stack_reflectivities(&run.media, &run.wavenumbers, period, angle, &mut both).is_err() {
+                continue;
+            }
+            for (&(node, (s, p)), both) in run.nodes.iter().zip(&both) {
+                values[node] = s * both.s + p * both.p;
+            }
+        }
+        values
     }
 
     pub(crate) fn lobe(&self, delta: f64, phi_alpha: f64) -> Vec<f64> {

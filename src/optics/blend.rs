@@ -41,4 +41,16 @@ impl ReflectivityModel for BlendModel {
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
         Ok(multilayer::reflectivity_unchecked(media, period, self.stack.layers, angle))
     }
+
+    fn stack_reflectivities(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [SAndP],
+    ) -> Result<(), OpticsError> {
+        multilayer::reflectivities_unchecked(media, wavenumbers, period, self.stack.layers, angle, out);
+        Ok(())
+    }
 }

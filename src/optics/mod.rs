@@ -32,7 +32,7 @@ pub use structure::Structure;
 use crate::geometry::{Geometry, Polarization};
 use lamella::LamellaNode;
 use multilayer::{Period, SAndP};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Name of Model A's contribution.
 pub const LAMELLA: &str = "lamella";
@@ -76,6 +76,28 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// [`OpticsError`] where the model has no answer.
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError>;
+
+    /// [`stack_reflectivity`](Self::stack_reflectivity) at many `wavenumbers`, `2 pi / wavelength` in 1/nm, of one angle, in
+    /// media whose indices are those of `media` at all of them.
+    ///
+    /// # Shape
+    /// One value for each wavenumber; rows beyond the shorter of the two are left.
+    ///
+    /// # Errors
+    /// As [`stack_reflectivity`](Self::stack_reflectivity).
+    fn stack_reflectivities(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [SAndP],
+    ) -> Result<(), OpticsError> {
+        for (out, wavenumber) in out.iter_mut().zip(wavenumbers) {
+            *out = self.stack_reflectivity(&Media { wavelength: TAU / wavenumber, ..*media }, period, angle)?;
+        }
+        Ok(())
+    }
 
     /// Both contributions at one reading.
     ///

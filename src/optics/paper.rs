@@ -2,7 +2,7 @@
 
 use crate::optics::error::require;
 use crate::optics::multilayer::periodic::{self, Admittances, Cosines, Phases};
-use crate::optics::multilayer::{Period, SAndP};
+use crate::optics::multilayer::{self, Period, SAndP};
 use crate::optics::{Media, OpticsError, ReflectivityModel, Stack};
 use serde::{Deserialize, Serialize};
 
@@ -135,8 +135,38 @@ impl ReflectivityModel for PaperModel {
             periodic::reflectivity(&Admittances::each(media, &cosines, rule), &phases, layers)
         };
         Ok(match self.admittance {
-            Admittance::Mean => SAndP::both(with(|n, cos| 0.5 * (n * cos + n / cos))),
+            Admittance::Mean => SAndP::both(with(mean_admittance)),
             Admittance::PerPolarization => SAndP { s: with(|n, cos| n * cos), p: with(|n, cos| cos / n) },
         })
     }
+
+    fn stack_reflectivities(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [SAndP],
+    ) -> Result<(), OpticsError> {
+        let cos = angle.cos();
+        if cos <= 0.0 {
+            out.fill(SAndP::both(if cos < 0.0 { 0.0 } else { 1.0 }));
+            return Ok(());
+        }
+        let (cosines, layers) = (self.cosines(media, angle)?, self.stack.layers);
+        match self.admittance {
+            Admittance::Mean => {
+                multilayer::along_spectrum_with(media, &cosines, period, layers, wavenumbers, mean_admittance, out);
+            }
+            Admittance::PerPolarization => {
+                multilayer::along_spectrum(media, &cosines, period, layers, wavenumbers, out);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The mean of the admittances of s and p, as printed.
+fn mean_admittance(n: f64, cos: f64) -> f64 {
+    0.5 * (n * cos + n / cos)
 }

@@ -2,15 +2,19 @@
 //!
 //! Three forms of the same physics. [`intensity`] is the paper's recurrence as printed, for real indices.
 //! [`periodic`] is the closed form of the periodic stack, for real indices and any number of layers at the same cost.
-//! [`amplitude`] carries the complex fields through any list of layers. [`reflectivity`] picks the cheapest that holds.
+//! In vector registers it gives a whole spectrum at once: [`reflectivities`]. [`amplitude`] carries the complex fields through any list of layers. [`reflectivity`] picks the cheapest that holds.
 
 pub mod amplitude;
 pub mod intensity;
+mod lanes;
 pub mod periodic;
 
 use crate::optics::error::{OpticsError, require};
+use crate::optics::material::WAVELENGTHS;
 use crate::optics::stack::{MAX_LAYERS, Media};
 use amplitude::Layer;
+use periodic::{Admittances, Cosines};
+use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 /// One value for each linear polarization.
@@ -82,6 +86,88 @@ pub fn reflectivity(media: &Media, period: Period, layers: usize, angle: f64) ->
     Ok(reflectivity_unchecked(media, period, layers, angle))
 }
 
+/// [`reflectivity`] at many wavelengths (nm) of one angle, in media whose indices are those of `media` at all of them.
+///
+/// Where every wave travels and nothing absorbs this is the closed form in vector registers, ten times as fast as one by one
+/// and the same to 1e-11.
+///
+/// # Errors
+/// As [`reflectivity`], and [`OpticsError::OutOfRange`] for a wavelength out of range.
+///
+/// ```
+/// use morpho_fit::optics::{Stack, multilayer::{Period, reflectivities}};
+/// let stack = Stack::default();
+/// let period = Period { cuticle: 100.0, gap: 135.0 };
+/// let found = reflectivities(&stack.media(500.0)?, &[480.0, 583.0], period, stack.layers, 0.0)?;
+/// assert!((found[0].s - 0.409538957612).abs() < 1e-11 && (found[1].p - 0.998597010770).abs() < 1e-11);
+/// # Ok::<(), morpho_fit::optics::OpticsError>(())
+/// ```
+pub fn reflectivities(
+    media: &Media,
+    wavelengths: &[f64],
+    period: Period,
+    layers: usize,
+    angle: f64,
+) -> Result<Vec<SAndP>, OpticsError> {
+    let first = wavelengths.first().copied().unwrap_or(media.wavelength);
+    reflectivity(&Media { wavelength: first, ..*media }, period, layers, angle)?;
+    for &wavelength in wavelengths {
+        require(WAVELENGTHS.contains(&wavelength), "wavelength", wavelength, "nm", "10 to 1e6")?;
+    }
+    let wavenumbers: Vec<f64> = wavelengths.iter().map(|wavelength| TAU / wavelength).collect();
+    let mut found = vec![SAndP::both(0.0); wavelengths.len()];
+    reflectivities_unchecked(media, &wavenumbers, period, layers, angle, &mut found);
+    Ok(found)
+}
+
+/// [`reflectivities`] for inputs that were checked before, by `2 pi / wavelength`.
+pub(crate) fn reflectivities_unchecked(
+    media: &Media,
+    wavenumbers: &[f64],
+    period: Period,
+    layers: usize,
+    angle: f64,
+    out: &mut [SAndP],
+) {
+    let traveling =
+        (angle.cos() > 0.0 && media.absorbing().is_none()).then(|| Cosines::refracted(media, angle)).flatten();
+    let Some(cosines) = traveling else {
+        for (out, wavenumber) in out.iter_mut().zip(wavenumbers) {
+            *out = reflectivity_unchecked(&Media { wavelength: TAU / wavenumber, ..*media }, period, layers, angle);
+        }
+        return;
+    };
+    along_spectrum(media, &cosines, period, layers, wavenumbers, out);
+}
+
+/// The exact reflectivities of both polarizations where the cosines are known.
+pub(crate) fn along_spectrum(
+    media: &Media,
+    cosines: &Cosines,
+    period: Period,
+    layers: usize,
+    wavenumbers: &[f64],
+    out: &mut [SAndP],
+) {
+    let y = [Admittances::each(media, cosines, |n, cos| n * cos), Admittances::each(media, cosines, |n, cos| cos / n)];
+    let paths = lanes::Paths::new(media, cosines, period);
+    lanes::both(&y, paths, wavenumbers, layers, out);
+}
+
+/// The same with one admittance for both.
+pub(crate) fn along_spectrum_with(
+    media: &Media,
+    cosines: &Cosines,
+    period: Period,
+    layers: usize,
+    wavenumbers: &[f64],
+    admittance: impl Fn(f64, f64) -> f64,
+    out: &mut [SAndP],
+) {
+    let y = Admittances::each(media, cosines, admittance);
+    lanes::one(&y, lanes::Paths::new(media, cosines, period), wavenumbers, layers, out);
+}
+
 /// [`reflectivity`] for inputs that were checked before: the inner loop of a fit.
 #[inline]
 pub(crate) fn reflectivity_unchecked(media: &Media, period: Period, layers: usize, angle: f64) -> SAndP {
@@ -90,7 +176,7 @@ pub(crate) fn reflectivity_unchecked(media: &Media, period: Period, layers: usiz
         return SAndP::both(if cos < 0.0 { 0.0 } else { 1.0 });
     }
     if media.absorbing().is_none()
-        && let Some(cosines) = periodic::Cosines::refracted(media, angle)
+        && let Some(cosines) = Cosines::refracted(media, angle)
     {
         return periodic::exact(media, &cosines, period, layers);
     }
