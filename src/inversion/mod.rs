@@ -43,4 +43,4 @@ pub use outcome::{
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
-pub use settings::{FitSettings, ModelChoice, Parts, Search, SettingsError};
+pub use settings::{Derivative, FitSettings, ModelChoice, Parts, Search, SettingsError};
