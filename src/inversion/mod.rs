@@ -20,6 +20,7 @@ mod problem;
 mod prospect;
 mod quantity;
 mod residuals;
+mod screening;
 mod search;
 mod settings;
 mod solution;

@@ -192,8 +192,7 @@ impl LinearPart {
 
     /// Sums over all readings; `extra` are the square roots of further weights, empty for none.
     pub(crate) fn normal_equations(&self, plan: &Plan<'_>, terms: TermsView<'_>, extra: &[f64]) -> NormalEquations {
-        let q = self.columns.len();
-        let mut equations = NormalEquations { gram: DMatrix::zeros(q, q), right: DVector::zeros(q), square: 0.0 };
+        let mut equations = self.no_equations();
         // Runs of one curve are summed up in registers.
         let mut sums = Sums::default();
         let mut curve = plan.readings.first().map_or(0, |reading| reading.curve);
@@ -212,8 +211,14 @@ impl LinearPart {
         equations
     }
 
-    /// Adds what the readings of one curve have summed up to.
-    fn add(&self, equations: &mut NormalEquations, curve: usize, sums: &Sums) {
+    /// Normal equations of no readings.
+    pub(crate) fn no_equations(&self) -> NormalEquations {
+        let q = self.columns.len();
+        NormalEquations { gram: DMatrix::zeros(q, q), right: DVector::zeros(q), square: 0.0 }
+    }
+
+    /// Adds to the lower triangle what the readings of one curve have summed up to.
+    pub(crate) fn add(&self, equations: &mut NormalEquations, curve: usize, sums: &Sums) {
         let product = |part: usize, other: usize| sums.products[part.max(other)][part.min(other)];
         let (a, b, background) = self.targets[curve];
         let targets = [a, b, background.map_or(Target::Known, Target::Column)];
@@ -288,16 +293,17 @@ impl LinearPart {
 }
 
 /// Weighted sums over readings of the products of A, B, 1 and the intensity.
-#[derive(Debug, Default)]
-struct Sums {
-    products: [[f64; 3]; 3],
-    with_intensity: [f64; 3],
-    square: f64,
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sums {
+    /// Of A, B and 1 with those before them and themselves: the lower triangle.
+    pub(crate) products: [[f64; 3]; 3],
+    pub(crate) with_intensity: [f64; 3],
+    pub(crate) square: f64,
 }
 
 impl Sums {
     #[inline]
-    fn add(&mut self, weight: f64, (a, b): (f64, f64), intensity: f64) {
+    pub(crate) fn add(&mut self, weight: f64, (a, b): (f64, f64), intensity: f64) {
         let [wa, wb, wy] = [weight * a, weight * b, weight * intensity];
         let [by_a, by_b, by_one] = &mut self.products;
         by_a[0] += wa * a;
@@ -317,6 +323,30 @@ impl NormalEquations {
     /// The best non-negative coefficients.
     pub(crate) fn solve(&self) -> DVector<f64> {
         nonnegative::solve(&self.gram, &self.right)
+    }
+
+    /// Back to no readings.
+    pub(crate) fn clear(&mut self) {
+        self.gram.fill(0.0);
+        self.right.fill(0.0);
+        self.square = 0.0;
+    }
+
+    /// The sum of squares at the best non-negative coefficients, from the lower triangle.
+    pub(crate) fn best_sum_of_squares(&mut self) -> f64 {
+        let best = match self.right.len() {
+            0 => self.square,
+            1 => {
+                // One coefficient: the projection, if it is above 0.
+                let (gram, right) = (self.gram[(0, 0)], self.right[0].max(0.0));
+                if gram > 0.0 { self.square - right * right / gram } else { self.square }
+            }
+            _ => {
+                self.gram.fill_upper_triangle_with_lower_triangle();
+                return self.sum_of_squares(&self.solve());
+            }
+        };
+        if best.is_finite() { best.max(0.0) } else { f64::INFINITY }
     }
 
     /// Factors of the normal matrix; `None` if its columns depend on each other, or one is 0 or not finite.

@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn slopes_are_differences_of_the_values() {
-        let nodes: Vec<f64> = (0..200).map(|i| 1e-5 * f64::from(i * i)).collect();
+        let nodes: Vec<f64> = (0..200).map(|i| 1e-6 * f64::from(i * i)).collect();
         let obliquity = vec![0.9; nodes.len()];
         let by = |function: &dyn Fn(f64) -> Vec<f64>, at: f64| -> Vec<f64> {
             let [far_below, below, above, far_above] = [-2.0, -1.0, 1.0, 2.0].map(|steps| function(at + 0.01 * steps));
@@ -221,7 +221,7 @@ mod tests {
             }
         }
         assert_eq!(interference_slopes(&nodes, 235.0, 17), None);
-        // Both sides of the series: y from 0 to 120.
+        // Both sides of the series: y from 0 to 12.
         for factor in [|_: f64| 1.0, |width: f64| (width / 250.0).powi(2)] {
             let slope = (factor(300.5) - factor(299.5)) / 1.0;
             let exact = diffraction_slopes(&nodes, &obliquity, 300.0, factor(300.0), slope);

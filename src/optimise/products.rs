@@ -3,11 +3,9 @@
 //! For columns that are far from dependent their Cholesky factor is the triangle of a QR decomposition to more digits than a
 //! step of a trust region needs, at a tenth of its time: each row is read once, in vector code.
 
-use multiversion::multiversion;
+use crate::numerics::dot::dot;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Rows that are added up side by side: the order of the sums is fixed, whatever the vector registers.
-const LANES: usize = 8;
 /// Least pivot of columns of length 1: below it the factor has lost half of its digits, and QR stands in.
 const LEAST_PIVOT: f64 = 1e-4;
 
@@ -63,20 +61,6 @@ impl Products {
         let rotated = lower.solve_lower_triangular(&scaled)?;
         Some((DMatrix::from_fn(n, n, |a, b| lower[(b, a)] * lengths[b]), rotated))
     }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
-    let (b_chunks, b_rest) = b.as_chunks::<LANES>();
-    let mut sums = [0.0; LANES];
-    for (a, b) in a_chunks.iter().zip(b_chunks) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

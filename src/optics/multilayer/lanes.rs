@@ -369,7 +369,7 @@ mod tests {
         let mut worst = 0.0_f64;
         let wavenumbers = wavenumbers(401);
         for case in 0..2500 {
-            let layers = [1, 2, 3, 9, 16, 17, 40, 3000][case % 8];
+            let layers = [1, 2, 3, 5, 9, 16, 17, 40][case % 8];
             let (mut media, period, angle) = drawn(case, &mut random);
             let incidence = Incidence::refracted(&media, angle).unwrap();
             let mut found = vec![SAndP::both(0.0); wavenumbers.len()];
@@ -424,10 +424,10 @@ mod tests {
             let steepest = |part: fn(&StackSlopes) -> &SAndP| {
                 found.iter().map(|slopes| part(slopes).s.abs().max(part(slopes).p.abs())).fold(1.0, f64::max)
             };
-            let step = 0.01 / steepest(|slopes| &slopes.cuticle).max(steepest(|slopes| &slopes.gap));
+            let step = 2e-3 / steepest(|slopes| &slopes.cuticle).max(steepest(|slopes| &slopes.gap));
             let cuticle = differences(|cuticle| at(Period { cuticle, ..period }, angle), period.cuticle, step);
             let gap = differences(|gap| at(Period { gap, ..period }, angle), period.gap, step);
-            let turned = differences(|angle| at(period, angle), angle, 1e-3 / steepest(|slopes| &slopes.angle));
+            let turned = differences(|angle| at(period, angle), angle, 2e-4 / steepest(|slopes| &slopes.angle));
             for (i, found) in found.iter().enumerate() {
                 for (name, found, expected, within) in [
                     ("cuticle", found.cuticle, cuticle[i], 1e-6),
