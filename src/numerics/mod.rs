@@ -3,6 +3,7 @@
 pub mod dot;
 pub mod nonnegative;
 pub mod normal;
+pub mod quadrature;
 pub mod quantile;
 pub mod singular;
 pub mod trigonometry;

@@ -1,0 +1,119 @@
+//! The closed form in lanes against the scalar form and against differences.
+
+use super::*;
+use crate::optics::Stack;
+use crate::optics::multilayer::{THICKNESSES, periodic};
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// A random stack and the angle it is lit at, the edges of the domain among them: normal and grazing incidence, no
+/// layer at all, no contrast.
+fn drawn(case: usize, random: &mut Xoshiro256PlusPlus) -> (Media, Period, f64) {
+    let angle = match case % 5 {
+        0 => 0.0,
+        1 => 89.9_f64.to_radians(),
+        _ => random.random_range(0.0..1.55),
+    };
+    let mut thickness =
+        || if random.random_bool(0.03) { *THICKNESSES.start() } else { random.random_range(0.0..400.0) };
+    let period = Period { cuticle: thickness(), gap: thickness() };
+    let mut media = Stack::default().media(500.0).unwrap();
+    media.cuticle.re = if case % 50 == 0 { 1.0 } else { random.random_range(1.0..2.6) };
+    media.base.re = if case % 2 == 0 { 1.0 } else { random.random_range(1.0..3.0) };
+    (media, period, angle)
+}
+
+fn wavenumbers(count: u32) -> Vec<f64> {
+    (0..count).map(|nm| std::f64::consts::TAU / (380.0 + f64::from(nm))).collect()
+}
+
+#[test]
+fn a_million_random_values_are_those_of_the_scalar_form() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
+    let mut worst = 0.0_f64;
+    let wavenumbers = wavenumbers(401);
+    for case in 0..2500 {
+        let layers = [1, 2, 3, 5, 9, 16, 17, 40][case % 8];
+        let (mut media, period, angle) = drawn(case, &mut random);
+        let incidence = Incidence::refracted(&media, angle).unwrap();
+        let mut found = vec![SAndP::both(0.0); wavenumbers.len()];
+        values(&media, &incidence, period, layers, Rules::Each, &wavenumbers, &mut found);
+        let mut steep = vec![StackSlopes::default(); wavenumbers.len()];
+        slopes(&media, &incidence, period, layers, Rules::Each, &wavenumbers, &mut steep);
+        for ((&k, found), steep) in wavenumbers.iter().zip(&found).zip(&steep) {
+            media.wavelength = std::f64::consts::TAU / k;
+            let scalar = periodic::exact(&media, &incidence.cosines, period, layers);
+            // Near grazing, resonances turn what rounding does to a thickness, 1e-12 nm, into more than 1e-11.
+            let of = |part: fn(&SAndP) -> f64| {
+                let off = (part(&scalar) - part(found)).abs();
+                let allowed = 1e-11 + 1e-12 * (part(&steep.cuticle).abs() + part(&steep.gap).abs());
+                assert!(off <= allowed, "{layers} layers, {} nm, {angle}: {scalar:?} {found:?}", media.wavelength);
+                off
+            };
+            worst = worst.max(of(|both| both.s)).max(of(|both| both.p));
+        }
+    }
+    assert!(worst > 0.0, "the two forms round differently");
+}
+
+/// Central differences of the values, of fourth order.
+fn differences(value: impl Fn(f64) -> Vec<SAndP>, at: f64, step: f64) -> Vec<SAndP> {
+    let [far_below, below, above, far_above] = [-2.0, -1.0, 1.0, 2.0].map(|steps| value(at + steps * step));
+    let of = |i: usize, part: fn(&SAndP) -> f64| {
+        (8.0 * (part(&above[i]) - part(&below[i])) - (part(&far_above[i]) - part(&far_below[i]))) / (12.0 * step)
+    };
+    (0..below.len()).map(|i| SAndP { s: of(i, |both| both.s), p: of(i, |both| both.p) }).collect()
+}
+
+#[test]
+fn slopes_are_differences_of_the_values() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let wavenumbers = wavenumbers(21);
+    for case in 0..400 {
+        let layers = [1, 2, 3, 9, 16, 17][case % 6];
+        let rules = if case % 3 == 0 { Rules::Mean } else { Rules::Each };
+        let (media, mut period, angle) = drawn(case, &mut random);
+        (period.cuticle, period.gap) = (period.cuticle.max(1.0), period.gap.max(1.0));
+        let angle = angle.min(1.4);
+        let at = |period: Period, angle: f64| {
+            let mut out = vec![SAndP::default(); wavenumbers.len()];
+            let incidence = Incidence::refracted(&media, angle).unwrap();
+            values(&media, &incidence, period, layers, rules, &wavenumbers, &mut out);
+            out
+        };
+        let mut found = vec![StackSlopes::default(); wavenumbers.len()];
+        let incidence = Incidence::refracted(&media, angle).unwrap();
+        slopes(&media, &incidence, period, layers, rules, &wavenumbers, &mut found);
+        // Steps so small that a resonance is smooth within them.
+        let steepest = |part: fn(&StackSlopes) -> &SAndP| {
+            found.iter().map(|slopes| part(slopes).s.abs().max(part(slopes).p.abs())).fold(1.0, f64::max)
+        };
+        let step = 2e-3 / steepest(|slopes| &slopes.cuticle).max(steepest(|slopes| &slopes.gap));
+        let cuticle = differences(|cuticle| at(Period { cuticle, ..period }, angle), period.cuticle, step);
+        let gap = differences(|gap| at(Period { gap, ..period }, angle), period.gap, step);
+        let turned = differences(|angle| at(period, angle), angle, 2e-4 / steepest(|slopes| &slopes.angle));
+        for (i, found) in found.iter().enumerate() {
+            for (name, found, expected, within) in [
+                ("cuticle", found.cuticle, cuticle[i], 1e-6),
+                ("gap", found.gap, gap[i], 1e-6),
+                ("angle", found.angle, turned[i], 1e-5),
+            ] {
+                let off = (found.s - expected.s).abs().max((found.p - expected.p).abs());
+                let size = 1.0 + expected.s.abs().max(expected.p.abs());
+                assert!(off < within * size, "case {case}, by {name}: {found:?} {expected:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_mirror_of_thousands_of_layers_has_no_slope_and_no_nan() {
+    let media = Stack::default().media(500.0).unwrap();
+    let incidence = Incidence::refracted(&media, 0.3).unwrap();
+    let period = Period { cuticle: 90.0, gap: 120.0 };
+    let wavenumbers = wavenumbers(401);
+    let mut found = vec![StackSlopes::default(); 401];
+    slopes(&media, &incidence, period, 100_000, Rules::Each, &wavenumbers, &mut found);
+    assert!(found.iter().all(|slopes| [slopes.cuticle.s, slopes.gap.p, slopes.angle.s].iter().all(|x| x.is_finite())));
+    assert!(found.iter().any(|slopes| slopes.cuticle == SAndP::both(0.0)));
+}
