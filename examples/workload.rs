@@ -140,6 +140,7 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
         gap: Material::constant(n("n_air")?),
         base: Material::constant(number(&workload["variants"][kind])?),
         layers: serde_json::from_value(workload["periods"].clone())?,
+        filling: None,
     };
     let period = Period { cuticle: n("d_cuticle_nm")?, gap: n("d_air_nm")? };
     let clock = Instant::now();

@@ -197,9 +197,9 @@ fn axes(space: &Space, plan: &Plan<'_>, counts: [usize; 3]) -> Vec<Vec<f64>> {
                     let count = count.ceil() as usize;
                     (count, false)
                 }
-                Parameter::Delta if plan.has_multilayer() => (counts[0], false),
-                Parameter::PhiAlpha if plan.has_multilayer() => (counts[1], true),
-                Parameter::LamellaWidth if plan.has_lamella() => (counts[2], true),
+                Parameter::Delta if plan.sees(*parameter) => (counts[0], false),
+                Parameter::PhiAlpha if plan.sees(*parameter) => (counts[1], true),
+                Parameter::LamellaWidth if plan.sees(*parameter) => (counts[2], true),
                 Parameter::Delta | Parameter::PhiAlpha | Parameter::LamellaWidth => (1, false),
             };
             middles(lower, upper, count, by_ratio)
@@ -264,10 +264,13 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
     };
     let key = |value: f64| value.to_bits();
     // Lobes and slits are the same in every cell, unless they are linked to a thickness: compute them once.
-    let mut lobes: FxHashMap<(u64, u64), Vec<f64>> = FxHashMap::default();
+    let mut lobes: FxHashMap<[u64; 3], Vec<f64>> = FxHashMap::default();
+    let product = plan.is_product();
+    let lobe_key = |delta, phi_alpha, width| [key(delta), key(phi_alpha), if product { key(width) } else { 0 }];
     let mut slits: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
     for values in outers.iter().take(1).flat_map(|outer| inner.iter().map(|inner| full(outer, inner))) {
-        lobes.entry((key(values[2]), key(values[3]))).or_insert_with(|| plan.lobe(values[2], values[3]));
+        let [.., delta, phi_alpha, width] = values;
+        lobes.entry(lobe_key(delta, phi_alpha, width)).or_insert_with(|| plan.lobe(delta, phi_alpha, width));
         slits.entry(key(values[4])).or_insert_with(|| plan.diffraction(values[4]));
     }
     let cell = |outer: &Vec<f64>| {
@@ -283,11 +286,13 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
             let (own_lobe, own_slit);
             let terms = TermsView {
                 interference: interference.get_or_insert_with(|| plan.interference(d_air + d_cuticle)),
-                stack: stacks.entry(key(delta)).or_insert_with(|| plan.stack(d_air, d_cuticle, delta)),
-                lobe: match lobes.get(&(key(delta), key(phi_alpha))) {
+                stack: stacks
+                    .entry(if product { 0 } else { key(delta) })
+                    .or_insert_with(|| plan.stack(d_air, d_cuticle, delta)),
+                lobe: match lobes.get(&lobe_key(delta, phi_alpha, lamella_width)) {
                     Some(lobe) => lobe,
                     None => {
-                        own_lobe = plan.lobe(delta, phi_alpha);
+                        own_lobe = plan.lobe(delta, phi_alpha, lamella_width);
                         &own_lobe
                     }
                 },

@@ -8,12 +8,14 @@
 //! I_B = R(wavelength, theta - delta) · L       reflection of the tilted stack, [`multilayer`], spread by the [`lobe`]
 //! ```
 //!
-//! [`BlendModel`] is the paper's structure with its physics put right, [`PaperModel`] the printed formulas. Both are
-//! a [`ReflectivityModel`], whose terms are named [`Contribution`]s. What is left out: scattering between ridges,
+//! [`BlendModel`] is the paper's structure with its physics put right, [`PaperModel`] the printed formulas.
+//! [`HybridModel`] is one product that holds both planes. Each is a [`ReflectivityModel`], whose terms are named
+//! [`Contribution`]s. What is left out: scattering between ridges,
 //! roughness, and the finite aperture of source and detector.
 
 mod blend;
 mod error;
+pub mod hybrid;
 pub mod lamella;
 pub mod lobe;
 mod material;
@@ -24,6 +26,7 @@ mod structure;
 
 pub use blend::BlendModel;
 pub use error::OpticsError;
+pub use hybrid::HybridModel;
 pub use material::{IndexTable, Material};
 pub use paper::{Admittance, LamellaUnit, PaperModel, Snell};
 pub use stack::{MAX_LAYERS, Media, Stack};
@@ -48,6 +51,18 @@ pub struct Contribution {
     pub intensity: f64,
 }
 
+/// How a model joins lamellae and multilayer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Join {
+    /// A sum of the two, each with the share of its plane; see the [module](self).
+    Planes,
+    /// One product in every plane; see [`hybrid`].
+    Product {
+        /// Distance of the ridges, nm.
+        ridge_spacing: f64,
+    },
+}
+
 /// A forward model: intensity from structure, geometry and wavelength.
 ///
 /// A model says how strong Model A is and what the stack reflects; the rest is common.
@@ -66,8 +81,15 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// Factor of Model A beside `cos²(theta) A² S²`, for a lamella `lamella_width` nm wide.
-    fn lamella_factor(&self, lamella_width: f64) -> f64;
+    /// How lamellae and multilayer are joined.
+    fn join(&self) -> Join {
+        Join::Planes
+    }
+
+    /// Factor of Model A beside `cos²(theta) A² S²`, for a lamella `lamella_width` nm wide; 1 where it is divided by its peak.
+    fn lamella_factor(&self, _lamella_width: f64) -> f64 {
+        1.0
+    }
 
     /// Reflectivity of the stack at `angle = theta - delta` (rad) from the normal of its layers.
     ///
@@ -114,11 +136,8 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     ) -> Result<[Contribution; 2], OpticsError> {
         self.validate()?;
         structure.validate()?;
-        let Geometry { theta, phi, omega } = *geometry;
-        for (quantity, angle) in [("theta", theta), ("phi", phi), ("omega", omega)] {
-            let within = angle.abs() <= FRAC_PI_2 * (1.0 + f64::EPSILON);
-            error::require(within, quantity, angle, "rad", "at most pi/2 in size")?;
-        }
+        check_geometry(geometry)?;
+        let Geometry { theta, phi, .. } = *geometry;
         let media = self.stack().media(wavelength)?;
         let (share_a, share_b) = geometry.plane_shares();
         let lamella = if share_a > 0.0 {
@@ -158,4 +177,14 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         let terms = self.contributions(structure, geometry, polarization, wavelength)?;
         Ok(terms.iter().map(|term| term.intensity).sum())
     }
+}
+
+/// Checks that no angle passes pi/2.
+fn check_geometry(geometry: &Geometry) -> Result<(), OpticsError> {
+    let Geometry { theta, phi, omega } = *geometry;
+    for (quantity, angle) in [("theta", theta), ("phi", phi), ("omega", omega)] {
+        let within = angle.abs() <= FRAC_PI_2 * (1.0 + f64::EPSILON);
+        error::require(within, quantity, angle, "rad", "at most pi/2 in size")?;
+    }
+    Ok(())
 }

@@ -20,6 +20,7 @@ pub(super) fn settings(settings: &FitSettings) -> String {
         ("gap", medium(&stack.gap)),
         ("base", medium(&stack.base)),
         ("layers", stack.layers.to_string()),
+        ("filling of the layers", stack.filling.map_or_else(|| "whole".to_owned(), |filling| filling.to_string())),
         ("scale", word(&nuisances.scale)),
         ("weight of the lamellae", word(&nuisances.weight)),
         ("background", word(&nuisances.background)),
