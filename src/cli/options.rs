@@ -195,6 +195,12 @@ pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
         layers: args.layers,
         filling: args.effective_index,
     };
+    if let Some(found) = args.effective_index.filter(|ratio| !(*ratio > 0.0 && *ratio <= 1.0)) {
+        return Err(Usage(format!(
+            "--effective-index {found}: the share of a layer that is cuticle is above 0, at most 1"
+        ))
+        .into());
+    }
     if !(1..=morpho_fit::optics::MAX_LAYERS).contains(&stack.layers) {
         let (found, most) = (stack.layers, morpho_fit::optics::MAX_LAYERS);
         return Err(Usage(format!("--layers {found}: the number of layers is from 1 to {most}")).into());

@@ -38,6 +38,9 @@ use std::ops::RangeInclusive;
 /// Distances of ridges, nm.
 const SPACINGS: RangeInclusive<f64> = 1.0..=1e6;
 
+/// Cosine that stands in for smaller ones in a slope, so that a rounded direction along x has none along y.
+const HORIZON: f64 = 1e-9;
+
 /// Squared lengths of a unit vector, to the rounding of a file with seven digits.
 const UNIT: RangeInclusive<f64> = 1.0 - 1e-6..=1.0 + 1e-6;
 
@@ -189,7 +192,7 @@ pub(crate) struct HybridNode {
     v: f64,
     /// `1 / lambda`, times what a reading has beside f, 1/nm.
     strength: f64,
-    /// G; not finite at grazing.
+    /// G; infinite where one direction grazes.
     gain: f64,
     /// `w_y / w_z` of both directions.
     slopes: [f64; 2],
@@ -199,8 +202,9 @@ impl HybridNode {
     /// Of two unit vectors above the horizon, for f; `wavelength` in the ambient medium, nm.
     fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
         let [u_x, u_y, v] = std::array::from_fn(|axis| incoming[axis] + outgoing[axis]);
-        let slopes = [incoming, outgoing].map(|[_, y, z]| y / z.max(f64::EPSILON));
-        let gain = v * v / (4.0 * incoming[2] * outgoing[2]);
+        let slopes = [incoming, outgoing].map(|[_, y, z]| y / z.max(HORIZON));
+        // Along the horizon both ways it is 0/0: the value of the mirror direction is taken.
+        let gain = if v > 0.0 { v * v / (4.0 * incoming[2] * outgoing[2]) } else { 1.0 };
         let angle = (0.5 * v).min(1.0).acos();
         Self { angle, half_ku: PI * u_x / wavelength, u_y, v, strength: wavelength.recip(), gain, slopes }
     }
@@ -235,7 +239,6 @@ impl HybridNode {
         let lobe = FRAC_PI_4 / half_width * (FRAC_PI_2 * offset / half_width).cos();
         let facing = (1.0 + tilt * self.slopes[0]).min(1.0 + tilt * self.slopes[1]).max(0.0);
         let above = (0.5 + FRAC_PI_4 * self.v * tilt.abs() / half_width).min(1.0);
-        // At grazing of both G is 0/0, and `min` takes the limit.
         let gain = self.gain.min(ridge_spacing / lamella_width * facing / above);
         let slit = slit_factor(self.half_ku * lamella_width);
         self.strength * lamella_width * lamella_width / ridge_spacing * slit * slit * gain * lobe

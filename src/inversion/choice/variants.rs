@@ -80,3 +80,24 @@ pub(crate) fn variants(data: &Dataset, settings: &FitSettings) -> Vec<Variant> {
     }
     variants
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::{HybridModel, Structure};
+    use crate::synthetic::{Scan, simulate};
+
+    #[test]
+    fn a_product_has_no_variants_of_a_part_alone() {
+        let (model, blue) = (HybridModel::default(), Structure::blue());
+        let scans = Scan::full_design(&model, &blue).unwrap();
+        let data = simulate(&model, &blue, &scans, 1.0, 0.01, 1).unwrap();
+        let names = |model| {
+            let settings = FitSettings { model, ..FitSettings::default() };
+            variants(&data, &settings).into_iter().map(|variant| variant.name).collect::<Vec<_>>()
+        };
+        let hybrid = ModelChoice::Hybrid { ridge_spacing: HybridModel::RIDGE_SPACING };
+        assert_eq!(names(hybrid), ["hybrid", "hybrid + background", "hybrid + tilt", "hybrid + tilt + background"]);
+        assert_eq!(names(ModelChoice::Blend).len(), 10);
+    }
+}

@@ -20,7 +20,6 @@ pub(super) fn settings(settings: &FitSettings) -> String {
         ("gap", medium(&stack.gap)),
         ("base", medium(&stack.base)),
         ("layers", stack.layers.to_string()),
-        ("filling of the layers", stack.filling.map_or_else(|| "whole".to_owned(), |filling| filling.to_string())),
         ("scale", word(&nuisances.scale)),
         ("weight of the lamellae", word(&nuisances.weight)),
         ("background", word(&nuisances.background)),
@@ -29,6 +28,9 @@ pub(super) fn settings(settings: &FitSettings) -> String {
         ("fits as well within", format!("delta chi² {level}")),
         ("seed", settings.seed.to_string()),
     ]);
+    if let Some(filling) = stack.filling {
+        rows.push(("filling of the layers", filling.to_string()));
+    }
     if !required.is_empty() {
         let names: Vec<&str> = required.iter().map(|parameter| parameter.name()).collect();
         rows.push(("required", names.join(", ")));
