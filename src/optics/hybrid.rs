@@ -18,9 +18,8 @@
 //! - **Energy.** `du_x du_y = cos_o dΩ`, so slit and lobe have at most the mass `a/b`. G is 1 in the mirror direction and
 //!   grows without end where one direction grazes and the other does not; `J` is what turns `dx` into `du_y`. Light that
 //!   grazes meets at least half of an even slit and lobe below the horizon, which `F` allows for. The albedo of a white
-//!   stack (R = 1) is then at most 1 for any lobe and tilt if `a <= b`, and f
-//!   finite. Without that limit, which for `a/b = 0.4` is met
-//!   beyond `G = 5` alone, it would grow as `1/cos_i`.
+//!   stack (R = 1) is then at most 1 for any lobe and tilt if `a <= b` (a wider lamella is refused), and f finite.
+//!   Without that limit, which untilted layers of `a/b = 0.4` meet beyond `G = 5` alone, it would grow as `1/cos_i`.
 //!   A narrow lobe of layers without tilt gives back at most `a/b` up to 82° of incidence, for any width and wavelength.
 //! - **Grazing.** Along the horizon f is finite, and 0 where the layers are in their own shadow (`J <= 0`); below it 0.
 //!
