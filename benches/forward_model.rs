@@ -8,7 +8,7 @@ use morpho_fit::geometry::{Geometry, Polarization};
 use morpho_fit::optics::multilayer::amplitude::{Component, Layer, reflect_transmit};
 use morpho_fit::optics::multilayer::intensity::recurrence;
 use morpho_fit::optics::multilayer::{Period, SAndP, reflectivities, reflectivity};
-use morpho_fit::optics::{BlendModel, ReflectivityModel, Stack, Structure};
+use morpho_fit::optics::{BlendModel, HybridModel, ReflectivityModel, Stack, Structure};
 use nalgebra::Complex;
 
 fn main() {
@@ -51,6 +51,23 @@ fn blend(bencher: Bencher<'_, '_>, omega_deg: f64) {
     let model = BlendModel::default();
     let geometry = Geometry { theta: 0.1, phi: -0.2, omega: omega_deg.to_radians() };
     bencher.bench(|| model.reflectivity(&Structure::blue(), black_box(&geometry), Polarization::Unpolarized, 480.0));
+}
+
+#[divan::bench(args = [0.0, 45.0, 90.0])]
+fn hybrid(bencher: Bencher<'_, '_>, omega_deg: f64) {
+    let model = HybridModel::default();
+    let geometry = Geometry { theta: 0.1, phi: -0.2, omega: omega_deg.to_radians() };
+    bencher.bench(|| model.reflectivity(&Structure::blue(), black_box(&geometry), Polarization::Unpolarized, 480.0));
+}
+
+/// Any two directions.
+#[divan::bench]
+fn hybrid_brdf(bencher: Bencher<'_, '_>) {
+    let model = HybridModel::default();
+    let (incoming, outgoing) = ([0.0, 0.28, 0.96], [0.6, 0.0, 0.8]);
+    bencher.bench(|| {
+        model.brdf(&Structure::blue(), black_box(incoming), outgoing, Polarization::Unpolarized, 480.0).unwrap()
+    });
 }
 
 /// A spectrum of 361 wavelengths at once, s and p: divide by 361 to compare with `closed_form`.

@@ -77,7 +77,7 @@ impl Design {
     }
 
     fn scans(self, settings: &FitSettings, truth: &[f64; COUNT]) -> Result<Vec<Scan>, Box<dyn Error + Send + Sync>> {
-        let model = settings.model.build(settings.stack.clone());
+        let model = settings.forward()?;
         Ok(match self {
             Self::Full => Scan::full_design(model.as_ref(), &structure(truth))?,
             Self::Spectra => (0..5)
@@ -188,7 +188,7 @@ fn data_set(
     truth: &[f64; COUNT],
     seed: u64,
 ) -> Result<Held, Box<dyn Error + Send + Sync>> {
-    let model = settings.model.build(settings.stack.clone());
+    let model = settings.forward()?;
     let scans = design.scans(settings, truth)?;
     let data = simulate(model.as_ref(), &structure(truth), &scans, 1.0, NOISE, seed)?;
     let settings = FitSettings { seed, ..settings.clone() };

@@ -153,6 +153,7 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
         gap: Material::constant(n("n_air")?),
         base: Material::constant(number(&workload["variants"][kind])?),
         layers: serde_json::from_value(workload["periods"].clone())?,
+        filling: None,
     };
     let period = Period { cuticle: n("d_cuticle_nm")?, gap: n("d_air_nm")? };
     let media = stack.media(500.0)?;
@@ -244,7 +245,7 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
         .map(str::parse)
         .collect::<std::result::Result<_, _>>()?;
     let settings = settings(workload, Extent::None)?;
-    let model = settings.model.build(settings.stack.clone());
+    let model = settings.forward()?;
     let local = start_at(&settings, &numbers(&workload["start_all"])?);
     let count = variant.parse::<usize>().unwrap_or(1000).min(truths[0].len());
     let blank = dataset(workload, &vec![0.0; noise.len()], 1.0)?;

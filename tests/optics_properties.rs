@@ -188,7 +188,7 @@ fn periodic() -> impl Strategy<Value = (Stack, Period, f64, f64)> {
     };
     let ambient = prop_oneof![Just(1.0), 1.0..2.0_f64].prop_map(Material::constant);
     let stack = (ambient, medium(1.0, 2.5), medium(1.0, 1.5), medium(1.0, 4.0), 1..=30_usize)
-        .prop_map(|(ambient, cuticle, gap, base, layers)| Stack { ambient, cuticle, gap, base, layers });
+        .prop_map(|(ambient, cuticle, gap, base, layers)| Stack { ambient, cuticle, gap, base, layers, filling: None });
     let period = (0.0..400.0_f64, 0.0..400.0_f64).prop_map(|(cuticle, gap)| Period { cuticle, gap });
     (stack, period, 300.0..1000.0_f64, radians(-89.5)..radians(89.5))
 }
@@ -340,6 +340,7 @@ fn any_stack() -> impl Strategy<Value = Stack> {
         gap,
         base,
         layers,
+        filling: None,
     })
 }
 

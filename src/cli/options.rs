@@ -10,7 +10,7 @@ use crate::{output, values};
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Constants, Dataset, ReadOptions, read_csv};
 use morpho_fit::inversion::{FitSettings, ModelChoice, Nuisances, Parameter, Role, Search};
-use morpho_fit::optics::{Material, Stack, Structure};
+use morpho_fit::optics::{HybridModel, Material, Stack, Structure};
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -153,29 +153,35 @@ fn settings(args: &ProblemArgs) -> Result<FitSettings> {
 /// Refuses to choose a model.
 pub(crate) fn one_model(args: &ModelArgs) -> Result<(), Usage> {
     let problem =
-        "--model auto compares fits and is for `morpho-fit fit` alone; here give --model blend or --model paper";
+        "--model auto compares fits and is for `morpho-fit fit` alone; here give --model blend, hybrid or paper";
     if args.model == ModelWord::Auto { Err(Usage(problem.to_owned())) } else { Ok(()) }
 }
 
 pub(crate) fn model(args: &ModelArgs) -> Result<ModelChoice, Usage> {
-    match args.model {
-        ModelWord::Paper => Ok(ModelChoice::Paper {
+    let of_paper = [
+        ("--snell", args.snell.is_some()),
+        ("--admittance", args.admittance.is_some()),
+        ("--lamella-unit", args.lamella_unit.is_some()),
+    ];
+    if args.model != ModelWord::Paper
+        && let Some((flag, _)) = of_paper.into_iter().find(|(_, given)| *given)
+    {
+        return Err(Usage(format!("{flag} is a choice of the paper's formulas; add --model paper")));
+    }
+    if args.model != ModelWord::Hybrid && args.ridge_spacing.is_some() {
+        return Err(Usage("--ridge-spacing is of the hybrid model; add --model hybrid".to_owned()));
+    }
+    Ok(match args.model {
+        ModelWord::Paper => ModelChoice::Paper {
             snell: args.snell.map(crate::args::SnellWord::value).unwrap_or_default(),
             admittance: args.admittance.map(crate::args::AdmittanceWord::value).unwrap_or_default(),
             lamella_unit: args.lamella_unit.unwrap_or_default(),
-        }),
-        ModelWord::Blend | ModelWord::Auto => {
-            let given = [
-                ("--snell", args.snell.is_some()),
-                ("--admittance", args.admittance.is_some()),
-                ("--lamella-unit", args.lamella_unit.is_some()),
-            ];
-            match given.into_iter().find(|(_, given)| *given) {
-                Some((flag, _)) => Err(Usage(format!("{flag} is a choice of the paper's formulas; add --model paper"))),
-                None => Ok(ModelChoice::Blend),
-            }
+        },
+        ModelWord::Hybrid => {
+            ModelChoice::Hybrid { ridge_spacing: args.ridge_spacing.unwrap_or(HybridModel::RIDGE_SPACING) }
         }
-    }
+        ModelWord::Blend | ModelWord::Auto => ModelChoice::Blend,
+    })
 }
 
 pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
@@ -188,7 +194,14 @@ pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
         gap: of(&args.n_gap, "--n-gap", usual.gap)?,
         base: of(&args.n_base, "--n-base", usual.base)?,
         layers: args.layers,
+        filling: args.effective_index,
     };
+    if let Some(found) = args.effective_index.filter(|ratio| !(*ratio > 0.0 && *ratio <= 1.0)) {
+        return Err(Usage(format!(
+            "--effective-index {found}: the share of a layer that is cuticle is above 0, at most 1"
+        ))
+        .into());
+    }
     if !(1..=morpho_fit::optics::MAX_LAYERS).contains(&stack.layers) {
         let (found, most) = (stack.layers, morpho_fit::optics::MAX_LAYERS);
         return Err(Usage(format!("--layers {found}: the number of layers is from 1 to {most}")).into());

@@ -58,7 +58,7 @@ impl Subject {
         for (value, parameter) in values.iter_mut().zip(Parameter::ALL) {
             *value = parameter.inside(*value);
         }
-        let model = outcome.settings.model.build(outcome.settings.stack.clone());
+        let model = outcome.settings.forward()?;
         let (name, folder) = (name.to_owned(), PathBuf::new());
         Some(Self { name, folder, structure: structure(&values), model, fit: Some(outcome.clone()) })
     }
@@ -104,6 +104,8 @@ fn of_the_model(args: &SubjectArgs) -> Option<&'static str> {
         ("--snell", model.snell.is_some()),
         ("--admittance", model.admittance.is_some()),
         ("--lamella-unit", model.lamella_unit.is_some()),
+        ("--ridge-spacing", model.ridge_spacing.is_some()),
+        ("--effective-index", model.effective_index.is_some()),
         ("--layers", model.layers != LAYERS),
         ("--n-cuticle", model.n_cuticle.is_some()),
         ("--n-gap", model.n_gap.is_some()),

@@ -171,7 +171,7 @@ pub fn advise(data: &Dataset, fit: &Fit, ask: Ask) -> Result<Vec<Proposal>, Advi
     if ask == Ask::IfNeeded && (is_good(outcome) || !has_structure(outcome)) {
         return Ok(Vec::new());
     }
-    let model = outcome.settings.model.build(outcome.settings.stack.clone());
+    let model = outcome.settings.forward()?;
     let compiled = Compiled::new(data, &outcome.settings, model.as_ref())?;
     let truths = truths(&compiled, &fit.solution)?;
     let Some(best) = truths.first() else { return Ok(Vec::new()) };

@@ -210,7 +210,7 @@ pub struct ChiSquareMap {
 /// [`FitError`] if `data` are not those of `fit`.
 pub fn chi_square_map(data: &Dataset, fit: &Fit, cells: usize) -> Result<Option<ChiSquareMap>, FitError> {
     let settings = &fit.outcome.settings;
-    let model = settings.model.build(settings.stack.clone());
+    let model = settings.forward()?;
     let whole = Compiled::of_fit(data, fit, model.as_ref())?;
     let roles = settings.roles;
     let (Role::Free { lower: low_air, upper: high_air }, Role::Free { lower: low_cuticle, upper: high_cuticle }) =

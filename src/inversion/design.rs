@@ -80,7 +80,7 @@ pub fn expected(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Expected, DesignError> {
     settings.validate().map_err(FitError::from)?;
-    let model = settings.model.build(settings.stack.clone());
+    let model = settings.forward()?;
     let assumed = typical(settings);
     let truth = structure(&assumed);
     let mut readings = Vec::with_capacity(data.readings().len());

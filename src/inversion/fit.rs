@@ -102,7 +102,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     if largest > 1e100 || (largest > 0.0 && largest < 1e-100) {
         return Err(FitError::Unit { largest });
     }
-    let model = settings.model.build(settings.stack.clone());
+    let model = settings.forward()?;
     let compiled = Compiled::new(data, settings, model.as_ref())?;
     let thin = match settings.search {
         Search::Global => Some(Compiled::thinned(data, settings, model.as_ref(), THINNED)?),

@@ -32,7 +32,8 @@ pub enum Extent {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Weight {
-    /// Fitted where both planes are in the data (for each curve, if the scale is), else 1.
+    /// Fitted where both planes are in the data (for each curve, if the scale is), else 1. A model that is one product has
+    /// none.
     Fitted,
     /// Known.
     Fixed(f64),

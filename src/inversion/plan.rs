@@ -4,19 +4,21 @@
 //! unique (wavelength, theta, polarization)   reflectivity of the stack
 //! unique (wavelength, theta, phi)            array and slit factor of the lamellae
 //! unique (theta, phi)                        lobe
+//! unique (wavelength, theta, phi, omega)     all but the stack, of a model that is one product
 //! ```
 //!
 //! Each reading is then three indices and two shares. [`Terms`] holds the values at the unique points for one structure;
 //! changing one parameter renews only the terms it enters.
 
 use crate::dataset::Dataset;
-use crate::inversion::parameter::{COUNT, Parameter};
+use crate::inversion::parameter::{COUNT, Parameter, structure};
 use crate::inversion::settings::Parts;
+use crate::optics::hybrid::HybridNode;
 use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
-use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
+use crate::optics::{Join, Media, OpticsError, ReflectivityModel, lobe};
 use nalgebra::DVector;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::TAU;
 use std::hash::Hash;
 
@@ -47,7 +49,8 @@ pub(crate) struct PlannedReading {
 #[derive(Debug, Clone)]
 struct StackRun {
     media: Media,
-    theta: f64,
+    /// Incidence `theta`, of which the tilt is taken; of a product `acos(v / 2)`, rad.
+    angle: f64,
     /// `2 pi / wavelength` of each node, 1/nm.
     wavenumbers: Vec<f64>,
     /// Number of each node, and the shares of s and p in it.
@@ -57,9 +60,9 @@ struct StackRun {
 /// Incidence and indices of a [`StackRun`], as bits.
 type RunKey = [u64; 8];
 
-fn run_key(theta: f64, media: &Media) -> RunKey {
+fn run_key(angle: f64, media: &Media) -> RunKey {
     let Media { ambient, cuticle, gap, base, .. } = *media;
-    [theta, ambient, cuticle.re, cuticle.im, gap.re, gap.im, base.re, base.im].map(f64::to_bits)
+    [angle, ambient, cuticle.re, cuticle.im, gap.re, gap.im, base.re, base.im].map(f64::to_bits)
 }
 
 /// Numbers of keys in the order they are met.
@@ -101,6 +104,10 @@ pub struct Plan<'a> {
     half_ku: Vec<f64>,
     obliquity: Vec<f64>,
     lobe: Vec<(f64, f64)>,
+    /// The same of a product; then there are no lamella nodes and no lobes.
+    product: Vec<HybridNode>,
+    /// Number of directions of incidence and view in which the stack is seen.
+    directions: usize,
     pub(crate) readings: Vec<PlannedReading>,
     pub(crate) curves: usize,
 }
@@ -123,7 +130,7 @@ pub(crate) struct TermsView<'a> {
     pub(crate) diffraction: &'a [f64],
     /// R of the reading's polarization by stack node.
     pub(crate) stack: &'a [f64],
-    /// L by lobe node.
+    /// L by lobe node; of a product all but R.
     pub(crate) lobe: &'a [f64],
 }
 
@@ -194,6 +201,8 @@ impl<'a> Plan<'a> {
             half_ku: Vec::new(),
             obliquity: Vec::new(),
             lobe: Vec::new(),
+            product: Vec::new(),
+            directions: 0,
             readings: Vec::with_capacity(rows.len()),
             curves: data.curves().len(),
         };
@@ -207,14 +216,25 @@ impl<'a> Plan<'a> {
         let mut nodes: Vec<LamellaNode> = Vec::new();
         let mut lamellae: Vec<Vec<Option<usize>>> = Vec::new();
         let mut lobes: Vec<Option<usize>> = Vec::new();
+        let mut product_index = FxHashMap::default();
+        let mut seen = FxHashSet::default();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
             let plane = planes.of(reading.geometry.omega.to_bits());
             if plane == shares.len() {
-                shares.push(parts.shares(reading.geometry.plane_shares()));
+                shares.push(reading.geometry.plane_shares());
             }
-            let (share_a, share_b) = shares[plane];
             let wavelength = reading.wavelength;
+            let product = match model.join() {
+                Join::Planes => None,
+                Join::Product { .. } => {
+                    let ambient = model.stack().media(wavelength)?.ambient;
+                    Some(HybridNode::in_plane(&reading.geometry, wavelength / ambient))
+                }
+            };
+            // A product has no share of either plane: all of it goes by way of the stack.
+            let (share_a, share_b) = parts.shares(if product.is_some() { (0.0, 1.0) } else { shares[plane] });
+            let angle = product.map_or(theta, |node| node.angle);
             let mut planned = PlannedReading {
                 lamella: 0,
                 stack: 0,
@@ -247,7 +267,7 @@ impl<'a> Plan<'a> {
                 });
             }
             if share_b > 0.0 {
-                let key = (wavelength.to_bits(), theta.to_bits(), reading.polarization);
+                let key = (wavelength.to_bits(), angle.to_bits(), reading.polarization);
                 planned.stack = match stack_index.get(&key) {
                     Some(&index) => index,
                     None => {
@@ -255,8 +275,8 @@ impl<'a> Plan<'a> {
                         let node = plan.nodes;
                         plan.nodes += 1;
                         stack_index.insert(key, node);
-                        let run = *run_index.entry(run_key(theta, &media)).or_insert_with(|| {
-                            plan.stack.push(StackRun { media, theta, wavenumbers: Vec::new(), nodes: Vec::new() });
+                        let run = *run_index.entry(run_key(angle, &media)).or_insert_with(|| {
+                            plan.stack.push(StackRun { media, angle, wavenumbers: Vec::new(), nodes: Vec::new() });
                             plan.stack.len() - 1
                         });
                         plan.stack[run].wavenumbers.push(TAU / wavelength);
@@ -264,13 +284,22 @@ impl<'a> Plan<'a> {
                         node
                     }
                 };
-                planned.lobe = *lobes[direction].get_or_insert_with(|| {
-                    plan.lobe.push((theta, phi));
-                    plan.lobe.len() - 1
-                });
+                planned.lobe = if let Some(node) = product {
+                    seen.insert((direction, plane));
+                    *product_index.entry((wavelength.to_bits(), direction, plane)).or_insert_with(|| {
+                        plan.product.push(node);
+                        plan.product.len() - 1
+                    })
+                } else {
+                    *lobes[direction].get_or_insert_with(|| {
+                        plan.lobe.push((theta, phi));
+                        plan.lobe.len() - 1
+                    })
+                };
             }
             plan.readings.push(planned);
         }
+        plan.directions = plan.lobe.len() + seen.len();
         // The model itself may refuse the media; learn that now, and not as a fit without a finite value.
         if let Some(run) = plan.stack.first() {
             model.stack_reflectivity(&run.media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
@@ -307,13 +336,18 @@ impl<'a> Plan<'a> {
         match parameter {
             Parameter::DAir | Parameter::DCuticle => self.has_lamella() || self.has_multilayer(),
             Parameter::Delta | Parameter::PhiAlpha => self.has_multilayer(),
-            Parameter::LamellaWidth => self.has_lamella(),
+            Parameter::LamellaWidth => self.has_lamella() || self.is_product(),
         }
+    }
+
+    /// Whether the model is one product: then the stack does not depend on the tilt, and the rest is the lobe.
+    pub(crate) fn is_product(&self) -> bool {
+        !self.product.is_empty()
     }
 
     /// Number of directions of incidence and view in which Model B is seen.
     pub(crate) fn directions(&self) -> usize {
-        self.lobe.len()
+        self.directions
     }
 
     pub(crate) fn interference(&self, period: f64) -> Vec<f64> {
@@ -345,7 +379,7 @@ impl<'a> Plan<'a> {
         for run in &self.stack {
             both.clear();
             both.resize(run.wavenumbers.len(), SAndP::both(f64::NAN));
-            let angle = run.theta - delta;
+            let angle = if self.is_product() { run.angle } else { run.angle - delta };
             if self.model.stack_reflectivities(&run.media, &run.wavenumbers, period, angle, &mut both).is_err() {
                 continue;
             }
@@ -360,24 +394,31 @@ impl<'a> Plan<'a> {
     /// model has none.
     pub(crate) fn stack_slopes(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Option<[DVector<f64>; 3]> {
         let period = Period { cuticle: d_cuticle, gap: d_air };
+        // Of a product the tilt moves the lobe alone.
+        let product = self.is_product();
         let mut slopes = [0, 1, 2].map(|_| DVector::zeros(self.nodes));
         let mut found = Vec::new();
         for run in &self.stack {
             found.clear();
             found.resize(run.wavenumbers.len(), StackSlopes::default());
-            let angle = run.theta - delta;
+            let angle = if product { run.angle } else { run.angle - delta };
             self.model.stack_slopes(&run.media, &run.wavenumbers, period, angle, &mut found).then_some(())?;
             for (&(node, (s, p)), found) in run.nodes.iter().zip(&found) {
                 let of = |both: SAndP| s * both.s + p * both.p;
                 slopes[0][node] = of(found.gap);
                 slopes[1][node] = of(found.cuticle);
-                slopes[2][node] = -of(found.angle);
+                slopes[2][node] = if product { 0.0 } else { -of(found.angle) };
             }
         }
         Some(slopes)
     }
 
-    pub(crate) fn lobe(&self, delta: f64, phi_alpha: f64) -> Vec<f64> {
+    /// Of a product all factors but the stack, which only then depend on the lamella width.
+    pub(crate) fn lobe(&self, delta: f64, phi_alpha: f64, lamella_width: f64) -> Vec<f64> {
+        if let Join::Product { ridge_spacing } = self.model.join() {
+            let of = structure(&[0.0, 0.0, delta, phi_alpha, lamella_width]);
+            return self.product.iter().map(|node| node.spread(&of, ridge_spacing)).collect();
+        }
         self.lobe.iter().map(|&(theta, phi)| lobe::lobe(theta, phi, delta, phi_alpha)).collect()
     }
 
@@ -387,11 +428,11 @@ impl<'a> Plan<'a> {
             interference: self.interference(d_air + d_cuticle),
             diffraction: self.diffraction(lamella_width),
             stack: self.stack(d_air, d_cuticle, delta),
-            lobe: self.lobe(delta, phi_alpha),
+            lobe: self.lobe(delta, phi_alpha, lamella_width),
         }
     }
 
-    /// `(I_A cos² omega, I_B sin² omega)` of a reading.
+    /// `(I_A cos² omega, I_B sin² omega)` of a reading; of a product 0 and all of it.
     #[inline]
     pub(crate) fn parts(&self, reading: &PlannedReading, terms: TermsView<'_>) -> (f64, f64) {
         let a = if reading.share_a > 0.0 {

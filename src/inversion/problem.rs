@@ -121,8 +121,11 @@ impl<'a> Problem<'a> {
         let exact = exactly.then(|| plan.stack_slopes(d_air, d_cuticle, delta)).flatten();
         let stack = exact.map_or_else(by_differences, |slopes| slopes.map(Some));
         let lobe = [
-            difference(Parameter::Delta, delta, &|x| plan.lobe(x, phi_alpha)),
-            difference(Parameter::PhiAlpha, phi_alpha, &|x| plan.lobe(delta, x)),
+            difference(Parameter::Delta, delta, &|x| plan.lobe(x, phi_alpha, lamella_width)),
+            difference(Parameter::PhiAlpha, phi_alpha, &|x| plan.lobe(delta, x, lamella_width)),
+            plan.is_product()
+                .then(|| difference(Parameter::LamellaWidth, lamella_width, &|x| plan.lobe(delta, phi_alpha, x)))
+                .flatten(),
         ];
 
         let terms = &point.terms;
@@ -151,6 +154,9 @@ impl<'a> Problem<'a> {
                 along_thicknesses[1] += factor * l * at(stack[1], node);
                 columns[2][row] = factor * (l * at(stack[2], node) + r * at(lobe[0], direction));
                 columns[3][row] = factor * r * at(lobe[1], direction);
+                if !lobe[2].is_empty() {
+                    columns[4][row] = factor * r * at(lobe[2], direction);
+                }
             }
             (columns[0][row], columns[1][row]) = along_thicknesses.into();
         }
@@ -217,25 +223,35 @@ fn slice(values: &Option<DVector<f64>>) -> &[f64] {
 mod tests {
     use super::*;
     use crate::inversion::nuisance::{Extent, Nuisances, Weight};
-    use crate::inversion::settings::FitSettings;
-    use crate::optics::{BlendModel, Structure};
+    use crate::inversion::settings::{FitSettings, ModelChoice};
+    use crate::optics::{Stack, Structure};
     use crate::optimise::central_jacobian;
     use crate::synthetic::{Scan, simulate};
 
     /// The product rule over terms against differences of the whole, nuisances eliminated, at several points.
     #[test]
     fn slopes_by_terms_agree_with_differences_of_the_residuals() {
-        let (model, blue) = (BlendModel::default(), Structure::blue());
-        let data = simulate(&model, &blue, &Scan::full_design(&model, &blue).unwrap(), 2.0, 0.0, 1).unwrap();
+        let blend = (ModelChoice::Blend, Weight::Fixed(0.7));
+        let hybrid = (ModelChoice::Hybrid { ridge_spacing: 750.0 }, Weight::Fitted);
+        for (choice, known) in [blend, hybrid] {
+            slopes_agree(choice, known);
+        }
+    }
+
+    fn slopes_agree(choice: ModelChoice, known: Weight) {
+        let (model, blue) = (choice.build(Stack::default()), Structure::blue());
+        let model = model.as_ref();
+        let data = simulate(model, &blue, &Scan::full_design(model, &blue).unwrap(), 2.0, 0.0, 1).unwrap();
         let space = Space::new(&FitSettings::default().roles).unwrap();
         for (scale, weight, background) in [
-            (Extent::None, Weight::Fixed(0.7), Extent::None),
+            (Extent::None, known, Extent::None),
             (Extent::Shared, Weight::Fitted, Extent::None),
             (Extent::PerCurve, Weight::Fitted, Extent::Shared),
         ] {
             let nuisances = Nuisances { scale, weight, background };
-            let settings = FitSettings { nuisances, ..FitSettings::default() };
-            let compiled = Compiled::new(&data, &settings, &model).unwrap();
+            let settings = FitSettings { model: choice, nuisances, ..FitSettings::default() };
+            settings.validate().unwrap();
+            let compiled = Compiled::new(&data, &settings, model).unwrap();
             let problem = Problem::new(&compiled, &space, &[]);
             for point in [[141.0, 62.0, 0.04, 0.5, 300.0], [120.0, 75.0, -0.02, 0.7, 250.0]] {
                 let at = DVector::from_column_slice(&point);

@@ -198,9 +198,9 @@ fn axes(space: &Space, plan: &Plan<'_>, counts: [usize; 3]) -> Vec<Vec<f64>> {
                     let count = count.ceil() as usize;
                     (count, false)
                 }
-                Parameter::Delta if plan.has_multilayer() => (counts[0], false),
-                Parameter::PhiAlpha if plan.has_multilayer() => (counts[1], true),
-                Parameter::LamellaWidth if plan.has_lamella() => (counts[2], true),
+                Parameter::Delta if plan.sees(*parameter) => (counts[0], false),
+                Parameter::PhiAlpha if plan.sees(*parameter) => (counts[1], true),
+                Parameter::LamellaWidth if plan.sees(*parameter) => (counts[2], true),
                 Parameter::Delta | Parameter::PhiAlpha | Parameter::LamellaWidth => (1, false),
             };
             middles(lower, upper, count, by_ratio)
@@ -265,10 +265,13 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
     };
     let key = |value: f64| value.to_bits();
     // Lobes and slits are the same in every cell, unless they are linked to a thickness: compute them once.
-    let mut lobes: FxHashMap<(u64, u64), Vec<f64>> = FxHashMap::default();
+    let mut lobes: FxHashMap<[u64; 3], Vec<f64>> = FxHashMap::default();
+    let product = plan.is_product();
+    let lobe_key = |delta, phi_alpha, width| [key(delta), key(phi_alpha), if product { key(width) } else { 0 }];
     let mut slits: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
     for values in outers.iter().take(1).flat_map(|outer| inner.iter().map(|inner| full(outer, inner))) {
-        lobes.entry((key(values[2]), key(values[3]))).or_insert_with(|| plan.lobe(values[2], values[3]));
+        let [.., delta, phi_alpha, width] = values;
+        lobes.entry(lobe_key(delta, phi_alpha, width)).or_insert_with(|| plan.lobe(delta, phi_alpha, width));
         slits.entry(key(values[4])).or_insert_with(|| plan.diffraction(values[4]));
     }
     let screening = Screening::new(plan);
@@ -279,7 +282,7 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
         // A thickness may be linked to an inner parameter: it is a part of the keys.
         let mut stacks: FxHashMap<[u64; 3], Vec<f64>> = FxHashMap::default();
         let mut lamellae: FxHashMap<[u64; 2], OfPart> = FxHashMap::default();
-        let mut multilayers: FxHashMap<[u64; 4], OfPart> = FxHashMap::default();
+        let mut multilayers: FxHashMap<([u64; 2], [u64; 3]), OfPart> = FxHashMap::default();
         for inner in inner {
             let values = full(outer, inner);
             let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = values;
@@ -291,13 +294,16 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
                 Some((known, values)) if *known == key(period) => &*values,
                 other => &other.insert((key(period), plan.interference(period))).1,
             };
-            let [air, cuticle, tilt, width] = [d_air, d_cuticle, delta, phi_alpha].map(key);
+            let [air, cuticle] = [d_air, d_cuticle].map(key);
+            // Of a product the tilt moves the lobe alone.
+            let tilt = if product { 0 } else { key(delta) };
             let stack = stacks.entry([air, cuticle, tilt]).or_insert_with(|| plan.stack(d_air, d_cuticle, delta));
             let own_lobe;
-            let lobe = match lobes.get(&(tilt, width)) {
+            let lobe_key = lobe_key(delta, phi_alpha, lamella_width);
+            let lobe = match lobes.get(&lobe_key) {
                 Some(lobe) => lobe,
                 None => {
-                    own_lobe = plan.lobe(delta, phi_alpha);
+                    own_lobe = plan.lobe(delta, phi_alpha, lamella_width);
                     &own_lobe
                 }
             };
@@ -312,7 +318,7 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
             let terms = TermsView { interference, diffraction, stack, lobe };
             let lamella = lamellae.entry([period, lamella_width].map(key)).or_insert_with(|| screening.lamella(terms));
             let multilayer =
-                multilayers.entry([air, cuticle, tilt, width]).or_insert_with(|| screening.multilayer(terms));
+                multilayers.entry(([air, cuticle], lobe_key)).or_insert_with(|| screening.multilayer(terms));
             equations.clear();
             screening.join(lamella, multilayer, |curve, sums| linear.add(&mut equations, curve, sums));
             let cost = equations.best_sum_of_squares();

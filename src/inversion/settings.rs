@@ -2,7 +2,10 @@
 
 use crate::inversion::nuisance::{Nuisances, Weight};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
-use crate::optics::{Admittance, BlendModel, LamellaUnit, PaperModel, ReflectivityModel, Snell, Stack};
+use crate::optics::{
+    Admittance, AveragedModel, Averages, BlendModel, HybridModel, LamellaUnit, OpticsError, PaperModel, ReflectivityModel,
+    Snell, Stack,
+};
 use crate::optimise::Loss;
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +16,11 @@ pub enum ModelChoice {
     /// The paper's structure with its physics put right.
     #[default]
     Blend,
+    /// Both planes as one product.
+    Hybrid {
+        /// Distance of the ridges, nm.
+        ridge_spacing: f64,
+    },
     /// The printed formulas.
     Paper {
         /// Which way up Snell's law is.
@@ -30,6 +38,7 @@ impl ModelChoice {
     pub fn build(self, stack: Stack) -> Box<dyn ReflectivityModel> {
         match self {
             Self::Blend => Box::new(BlendModel { stack }),
+            Self::Hybrid { ridge_spacing } => Box::new(HybridModel { stack, ridge_spacing }),
             Self::Paper { snell, admittance, lamella_unit } => {
                 Box::new(PaperModel { stack, snell, admittance, lamella_unit })
             }
@@ -115,6 +124,9 @@ pub struct FitSettings {
     pub loss: Loss,
     /// Where the search begins.
     pub search: Search,
+    /// What a reading is averaged over.
+    #[serde(default, skip_serializing_if = "Averages::is_none")]
+    pub averages: Averages,
     /// How the model is differentiated.
     #[serde(default)]
     pub derivative: Derivative,
@@ -146,6 +158,7 @@ impl Default for FitSettings {
             nuisances: Nuisances::default(),
             loss: Loss::default(),
             search: Search::default(),
+            averages: Averages::default(),
             derivative: Derivative::default(),
             level: level(),
             seed: 1,
@@ -204,6 +217,12 @@ pub enum SettingsError {
         /// What was given.
         found: f64,
     },
+    /// A choice about the terms of a sum, for a model that is one product.
+    #[error("the `hybrid` model is one product of lamellae and multilayer: {what}; leave it out")]
+    OneProduct {
+        /// What cannot be, in words.
+        what: &'static str,
+    },
     /// A weight of Model A that is no number of at least 0.
     #[error("the weight of Model A is {found}; it must be a finite number, at least 0")]
     Weight {
@@ -213,6 +232,15 @@ pub enum SettingsError {
 }
 
 impl FitSettings {
+    /// The forward model: that of the choice for the stack, averaged if it is.
+    ///
+    /// # Errors
+    /// [`OpticsError::OutOfRange`] for an average out of range.
+    pub fn forward(&self) -> Result<Box<dyn ReflectivityModel>, OpticsError> {
+        let model = self.model.build(self.stack.clone());
+        if self.averages.is_none() { Ok(model) } else { Ok(Box::new(AveragedModel::new(model, self.averages)?)) }
+    }
+
     /// Checks every role, start and number.
     ///
     /// # Errors
@@ -248,6 +276,14 @@ impl FitSettings {
                     value("link's factor", factor, (-1e9, 1e9))?;
                     value("link's constant", constant, (-1e9, 1e9))?;
                 }
+            }
+        }
+        if matches!(self.model, ModelChoice::Hybrid { .. }) {
+            if self.nuisances.weight != Weight::Fitted {
+                return Err(SettingsError::OneProduct { what: "a weight of one beside the other has no meaning" });
+            }
+            if self.parts != Parts::Both {
+                return Err(SettingsError::OneProduct { what: "neither of its parts can be there alone" });
             }
         }
         if let Weight::Fixed(found) = self.nuisances.weight

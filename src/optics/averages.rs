@@ -10,8 +10,8 @@
 
 use crate::numerics::quadrature::{Node, even, normal};
 use crate::optics::error::{OpticsError, require};
-use crate::optics::multilayer::{Period, SAndP, StackSlopes, THICKNESSES};
-use crate::optics::{Media, ReflectivityModel, Stack};
+use crate::optics::multilayer::{Period, SAndP, StackSlopes};
+use crate::optics::{Join, Media, ReflectivityModel, Stack};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -75,9 +75,9 @@ impl Averages {
 pub struct AveragedModel {
     model: Box<dyn ReflectivityModel>,
     averages: Averages,
-    /// Products of the nodes of band, period and tilt: relative shift of the wavenumber is by wavelength, so nm.
+    /// Products of the nodes of band, period and tilt.
     shifts: Vec<Shift>,
-    /// Polar angle in the ambient medium and azimuth of each ray of the cone, with its share.
+    /// Rays of the cone, ring by ring.
     rays: Vec<Ray>,
 }
 
@@ -122,26 +122,36 @@ impl AveragedModel {
         Ok(Self { model, averages, shifts, rays: rays(averages.numerical_aperture) })
     }
 
-    /// Angles from the layers' normal of the rays about `angle`, with their shares; those of equal angle are one at normal
-    /// incidence.
-    fn angles(&self, media: &Media, angle: f64) -> Vec<(f64, f64)> {
+    /// The rays about `angle`; those of equal angle are one at normal incidence.
+    fn beams(&self, media: &Media, angle: f64) -> Vec<Beam> {
         if self.averages.numerical_aperture <= 0.0 {
-            return vec![(angle, 1.0)];
+            return vec![Beam { angle, slope: 1.0, share: 1.0 }];
         }
         let (sin, cos) = angle.sin_cos();
         let of = |ray: &Ray| {
             let sin_ray = (ray.aperture / media.ambient).min(1.0);
             let cos_ray = (1.0 - sin_ray * sin_ray).sqrt();
-            (cos * cos_ray + sin * sin_ray * ray.cos_azimuth).clamp(-1.0, 1.0).acos()
+            let beam = (cos * cos_ray + sin * sin_ray * ray.cos_azimuth).clamp(-1.0, 1.0).acos();
+            let slope = (sin * cos_ray - cos * sin_ray * ray.cos_azimuth) / beam.sin().max(f64::MIN_POSITIVE);
+            Beam { angle: beam, slope, share: ray.share }
         };
         if sin.abs() < f64::EPSILON {
-            // All azimuths are one: the rays come in rings.
-            return self.rays.chunk_by(|a, b| a.aperture.to_bits() == b.aperture.to_bits())
-                .map(|ring| (of(&ring[0]), ring.iter().map(|ray| ray.share).sum()))
-                .collect();
+            // All azimuths are one: the rays come in rings, whose slopes cancel.
+            let ring = |rays: &[Ray]| Beam { slope: 0.0, share: rays.iter().map(|ray| ray.share).sum(), ..of(&rays[0]) };
+            return self.rays.chunks(AROUND).map(ring).collect();
         }
-        self.rays.iter().map(|ray| (of(ray), ray.share)).collect()
+        self.rays.iter().map(of).collect()
     }
+}
+
+/// One plane wave of a cone.
+#[derive(Debug, Clone, Copy)]
+struct Beam {
+    /// Angle from the normal of the layers in the ambient medium, rad.
+    angle: f64,
+    /// Its derivative by the angle of the cone's axis.
+    slope: f64,
+    share: f64,
 }
 
 /// Rays of a pupil that is evenly filled: even in the square of the sine, and in azimuth.
@@ -159,12 +169,15 @@ fn rays(numerical_aperture: f64) -> Vec<Ray> {
     rays
 }
 
-/// Both layers of a period that is longer by `by` nm; neither below the least thickness.
-fn longer(period: Period, by: f64) -> (Period, f64) {
+/// Both layers of a period longer by `by` nm in proportion, and the derivative of the factor by either thickness.
+fn longer(period: Period, by: f64) -> (Period, f64, f64) {
     let whole = period.cuticle + period.gap;
-    let factor = if whole > 0.0 { (1.0 + by / whole).max(0.0) } else { 1.0 };
-    let least = *THICKNESSES.start();
-    (Period { cuticle: (period.cuticle * factor).max(least), gap: (period.gap * factor).max(least) }, factor)
+    let factor = 1.0 + by / whole;
+    if whole <= 0.0 || factor <= 0.0 {
+        return (Period { cuticle: 0.0, gap: 0.0 }, 0.0, 0.0);
+    }
+    let slope = -by / (whole * whole);
+    (Period { cuticle: period.cuticle * factor, gap: period.gap * factor }, factor, slope)
 }
 
 impl ReflectivityModel for AveragedModel {
@@ -179,6 +192,10 @@ impl ReflectivityModel for AveragedModel {
     fn validate(&self) -> Result<(), OpticsError> {
         self.averages.validate()?;
         self.model.validate()
+    }
+
+    fn join(&self) -> Join {
+        self.model.join()
     }
 
     fn lamella_factor(&self, lamella_width: f64) -> f64 {
@@ -206,11 +223,11 @@ impl ReflectivityModel for AveragedModel {
         out.fill(SAndP::default());
         let mut one = vec![SAndP::default(); wavenumbers.len()];
         for shift in &self.shifts {
-            let (period, _) = longer(period, shift.period);
+            let (period, ..) = longer(period, shift.period);
             let shifted = shifted(wavenumbers, shift.wavelength);
-            for (angle, share) in self.angles(media, angle - shift.tilt) {
-                self.model.stack_reflectivities(media, &shifted, period, angle, &mut one)?;
-                let share = share * shift.share;
+            for beam in self.beams(media, angle - shift.tilt) {
+                self.model.stack_reflectivities(media, &shifted, period, beam.angle, &mut one)?;
+                let share = beam.share * shift.share;
                 for (out, one) in out.iter_mut().zip(&one) {
                     out.s += share * one.s;
                     out.p += share * one.p;
@@ -219,9 +236,151 @@ impl ReflectivityModel for AveragedModel {
         }
         Ok(())
     }
+
+    fn stack_slopes(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [StackSlopes],
+    ) -> bool {
+        out.fill(StackSlopes::default());
+        let mut one = vec![StackSlopes::default(); wavenumbers.len()];
+        for shift in &self.shifts {
+            let (longer, factor, slope) = longer(period, shift.period);
+            let shifted = shifted(wavenumbers, shift.wavelength);
+            for beam in self.beams(media, angle - shift.tilt) {
+                if !self.model.stack_slopes(media, &shifted, longer, beam.angle, &mut one) {
+                    return false;
+                }
+                let share = beam.share * shift.share;
+                for (out, one) in out.iter_mut().zip(&one) {
+                    // Either thickness also changes the factor of both.
+                    let common = |part: fn(&SAndP) -> f64| {
+                        slope * (period.cuticle * part(&one.cuticle) + period.gap * part(&one.gap))
+                    };
+                    let (common_s, common_p) = (common(|both| both.s), common(|both| both.p));
+                    out.cuticle.s += share * (factor * one.cuticle.s + common_s);
+                    out.cuticle.p += share * (factor * one.cuticle.p + common_p);
+                    out.gap.s += share * (factor * one.gap.s + common_s);
+                    out.gap.p += share * (factor * one.gap.p + common_p);
+                    out.angle.s += share * beam.slope * one.angle.s;
+                    out.angle.p += share * beam.slope * one.angle.p;
+                }
+            }
+        }
+        true
+    }
 }
 
 /// The wavenumbers of wavelengths longer by `by` nm.
 fn shifted(wavenumbers: &[f64], by: f64) -> Vec<f64> {
     wavenumbers.iter().map(|k| k / (1.0 + by * k / std::f64::consts::TAU).max(0.1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::BlendModel;
+    use approx::assert_abs_diff_eq;
+
+    const PERIOD: Period = Period { cuticle: 62.0, gap: 141.0 };
+
+    fn averaged(averages: Averages) -> AveragedModel {
+        AveragedModel::new(Box::new(BlendModel::default()), averages).unwrap()
+    }
+
+    fn blend(wavelength: f64, period: Period, angle: f64) -> f64 {
+        let model = BlendModel::default();
+        model.stack_reflectivity(&model.stack.media(wavelength).unwrap(), period, angle).unwrap().mean()
+    }
+
+    fn mean_of(averages: Averages, wavelength: f64, angle: f64) -> f64 {
+        let model = averaged(averages);
+        model.stack_reflectivity(&model.stack().media(wavelength).unwrap(), PERIOD, angle).unwrap().mean()
+    }
+
+    #[test]
+    fn no_average_changes_nothing() {
+        for angle in [0.0, 0.4] {
+            assert_abs_diff_eq!(mean_of(Averages::default(), 480.0, angle), blend(480.0, PERIOD, angle), epsilon = 1e-14);
+        }
+        assert!(Averages::default().is_none());
+    }
+
+    /// Against a sum over 400 × 400 even places, or 4001 places of the normal distribution to six deviations.
+    #[test]
+    fn each_average_is_that_of_a_fine_sum() {
+        let normal = |function: &dyn Fn(f64) -> f64| {
+            let places = (-2000..=2000).map(|i| f64::from(i) * 3e-3);
+            let (sum, weight) = places.fold((0.0, 0.0), |(sum, weight), x| {
+                let own = (-0.5 * x * x).exp();
+                (sum + own * function(x), weight + own)
+            });
+            sum / weight
+        };
+        for wavelength in [430.0, 480.0, 520.0] {
+            let band = Averages { bandwidth: 5.0, ..Averages::default() };
+            let fine = normal(&|x| blend(wavelength + x * 5.0 / WIDTH, PERIOD, 0.2));
+            assert_abs_diff_eq!(mean_of(band, wavelength, 0.2), fine, epsilon = 1e-4);
+            let spread = Averages { period_spread: 3.0, ..Averages::default() };
+            let fine = normal(&|x| blend(wavelength, longer(PERIOD, 3.0 * x).0, 0.2));
+            assert_abs_diff_eq!(mean_of(spread, wavelength, 0.2), fine, epsilon = 1e-4);
+            let tilt = Averages { tilt_spread: 0.05, ..Averages::default() };
+            let fine = normal(&|x| blend(wavelength, PERIOD, 0.2 - 0.05 * x));
+            assert_abs_diff_eq!(mean_of(tilt, wavelength, 0.2), fine, epsilon = 1e-4);
+            for angle in [0.0, 0.3_f64] {
+                let cone = Averages { numerical_aperture: 0.75, ..Averages::default() };
+                let mut fine = 0.0;
+                for ring in 0..400 {
+                    let sin = 0.75 * ((f64::from(ring) + 0.5) / 400.0).sqrt();
+                    for step in 0..400 {
+                        let azimuth = PI * (f64::from(step) + 0.5) / 400.0;
+                        let cos = angle.cos() * (1.0 - sin * sin).sqrt() + angle.sin() * sin * azimuth.cos();
+                        fine += blend(wavelength, PERIOD, cos.acos()) / 160_000.0;
+                    }
+                }
+                assert_abs_diff_eq!(mean_of(cone, wavelength, angle), fine, epsilon = 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_differences_of_the_means() {
+        let averages = Averages { numerical_aperture: 0.4, bandwidth: 4.0, period_spread: 5.0, tilt_spread: 0.03 };
+        let model = averaged(averages);
+        let media = model.stack().media(480.0).unwrap();
+        let wavenumbers = [std::f64::consts::TAU / 470.0, std::f64::consts::TAU / 500.0];
+        let at = |period: Period, angle: f64| {
+            let mut out = [SAndP::default(); 2];
+            model.stack_reflectivities(&media, &wavenumbers, period, angle, &mut out).unwrap();
+            out
+        };
+        let mut found = [StackSlopes::default(); 2];
+        assert!(model.stack_slopes(&media, &wavenumbers, PERIOD, 0.25, &mut found));
+        let step = 1e-3;
+        let moved = |cuticle, gap| Period { cuticle: PERIOD.cuticle + cuticle, gap: PERIOD.gap + gap };
+        for (i, found) in found.iter().enumerate() {
+            let slope = |above: [SAndP; 2], below: [SAndP; 2], step: f64| (above[i].p - below[i].p) / (2.0 * step);
+            let cuticle = slope(at(moved(step, 0.0), 0.25), at(moved(-step, 0.0), 0.25), step);
+            let gap = slope(at(moved(0.0, step), 0.25), at(moved(0.0, -step), 0.25), step);
+            let angle = slope(at(PERIOD, 0.25 + 1e-5), at(PERIOD, 0.25 - 1e-5), 1e-5);
+            assert_abs_diff_eq!(found.cuticle.p, cuticle, epsilon = 1e-7);
+            assert_abs_diff_eq!(found.gap.p, gap, epsilon = 1e-7);
+            assert_abs_diff_eq!(found.angle.p, angle, epsilon = 1e-6);
+        }
+    }
+
+    #[test]
+    fn widths_out_of_range_are_errors() {
+        for averages in [
+            Averages { numerical_aperture: 1.2, ..Averages::default() },
+            Averages { bandwidth: -1.0, ..Averages::default() },
+            Averages { period_spread: f64::NAN, ..Averages::default() },
+            Averages { tilt_spread: 1.0, ..Averages::default() },
+        ] {
+            assert!(averages.validate().is_err(), "{averages:?}");
+        }
+    }
 }

@@ -34,10 +34,6 @@ impl ReflectivityModel for BlendModel {
         &self.stack
     }
 
-    fn lamella_factor(&self, _lamella_width: f64) -> f64 {
-        1.0
-    }
-
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
         Ok(multilayer::reflectivity_unchecked(media, period, self.stack.layers, angle))
     }

@@ -8,12 +8,15 @@
 //! I_B = R(wavelength, theta - delta) · L       reflection of the tilted stack, [`multilayer`], spread by the [`lobe`]
 //! ```
 //!
-//! [`BlendModel`] is the paper's structure with its physics put right, [`PaperModel`] the printed formulas. Both are
-//! a [`ReflectivityModel`], whose terms are named [`Contribution`]s. What is left out: scattering between ridges,
+//! [`BlendModel`] is the paper's structure with its physics put right, [`PaperModel`] the printed formulas.
+//! [`HybridModel`] is one product that holds both planes. Each is a [`ReflectivityModel`], whose terms are named
+//! [`Contribution`]s. What is left out: scattering between ridges,
 //! roughness, and the finite aperture of source and detector.
 
+mod averages;
 mod blend;
 mod error;
+pub mod hybrid;
 pub mod lamella;
 pub mod lobe;
 mod material;
@@ -22,14 +25,17 @@ mod paper;
 mod stack;
 mod structure;
 
+pub use averages::{AveragedModel, Averages};
 pub use blend::BlendModel;
 pub use error::OpticsError;
+pub use hybrid::HybridModel;
 pub use material::{IndexTable, Material};
 pub use paper::{Admittance, LamellaUnit, PaperModel, Snell};
 pub use stack::{MAX_LAYERS, Media, Stack};
 pub use structure::Structure;
 
 use crate::geometry::{Geometry, Polarization};
+use hybrid::HybridNode;
 use lamella::LamellaNode;
 use multilayer::{Period, SAndP, StackSlopes};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -46,6 +52,18 @@ pub struct Contribution {
     pub name: &'static str,
     /// Its part of the intensity, dimensionless, with its share of the plane in it.
     pub intensity: f64,
+}
+
+/// How a model joins lamellae and multilayer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Join {
+    /// A sum of the two, each with the share of its plane; see the [module](self).
+    Planes,
+    /// One product in every plane; see [`hybrid`].
+    Product {
+        /// Distance of the ridges, nm.
+        ridge_spacing: f64,
+    },
 }
 
 /// A forward model: intensity from structure, geometry and wavelength.
@@ -66,8 +84,15 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         Ok(())
     }
 
-    /// Factor of Model A beside `cos²(theta) A² S²`, for a lamella `lamella_width` nm wide.
-    fn lamella_factor(&self, lamella_width: f64) -> f64;
+    /// How lamellae and multilayer are joined.
+    fn join(&self) -> Join {
+        Join::Planes
+    }
+
+    /// Factor of Model A beside `cos²(theta) A² S²`, for a lamella `lamella_width` nm wide; 1 where it is divided by its peak.
+    fn lamella_factor(&self, _lamella_width: f64) -> f64 {
+        1.0
+    }
 
     /// Derivative of [`lamella_factor`](Self::lamella_factor) by the width, 1/nm.
     fn lamella_factor_slope(&self, _lamella_width: f64) -> f64 {
@@ -132,12 +157,23 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     ) -> Result<[Contribution; 2], OpticsError> {
         self.validate()?;
         structure.validate()?;
-        let Geometry { theta, phi, omega } = *geometry;
-        for (quantity, angle) in [("theta", theta), ("phi", phi), ("omega", omega)] {
-            let within = angle.abs() <= FRAC_PI_2 * (1.0 + f64::EPSILON);
-            error::require(within, quantity, angle, "rad", "at most pi/2 in size")?;
-        }
+        check_geometry(geometry)?;
+        let Geometry { theta, phi, .. } = *geometry;
         let media = self.stack().media(wavelength)?;
+        let (s, p) = polarization.shares();
+        let stack = |angle| {
+            let both = self.stack_reflectivity(&media, Period::of(structure), angle)?;
+            Ok::<f64, OpticsError>(s * both.s + p * both.p)
+        };
+        let terms = |lamella, multilayer| {
+            [Contribution { name: LAMELLA, intensity: lamella }, Contribution { name: MULTILAYER, intensity: multilayer }]
+        };
+        if let Join::Product { ridge_spacing } = self.join() {
+            // Lamellae and layers are factors, not terms.
+            hybrid::require_narrow(structure, ridge_spacing)?;
+            let node = HybridNode::in_plane(geometry, wavelength / media.ambient);
+            return Ok(terms(0.0, stack(node.angle)? * node.spread(structure, ridge_spacing)));
+        }
         let (share_a, share_b) = geometry.plane_shares();
         let lamella = if share_a > 0.0 {
             let node = LamellaNode::new(wavelength, theta, phi);
@@ -149,17 +185,11 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
             0.0
         };
         let multilayer = if share_b > 0.0 {
-            let period = Period { cuticle: structure.d_cuticle, gap: structure.d_air };
-            let both = self.stack_reflectivity(&media, period, theta - structure.delta)?;
-            let (s, p) = polarization.shares();
-            share_b * (s * both.s + p * both.p) * lobe::lobe(theta, phi, structure.delta, structure.phi_alpha)
+            share_b * stack(theta - structure.delta)? * lobe::lobe(theta, phi, structure.delta, structure.phi_alpha)
         } else {
             0.0
         };
-        Ok([
-            Contribution { name: LAMELLA, intensity: lamella },
-            Contribution { name: MULTILAYER, intensity: multilayer },
-        ])
+        Ok(terms(lamella, multilayer))
     }
 
     /// The sum of the [`contributions`](Self::contributions): what a measurement of scale 1 would read.
@@ -176,4 +206,14 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         let terms = self.contributions(structure, geometry, polarization, wavelength)?;
         Ok(terms.iter().map(|term| term.intensity).sum())
     }
+}
+
+/// Checks that no angle passes pi/2.
+fn check_geometry(geometry: &Geometry) -> Result<(), OpticsError> {
+    let Geometry { theta, phi, omega } = *geometry;
+    for (quantity, angle) in [("theta", theta), ("phi", phi), ("omega", omega)] {
+        let within = angle.abs() <= FRAC_PI_2 * (1.0 + f64::EPSILON);
+        error::require(within, quantity, angle, "rad", "at most pi/2 in size")?;
+    }
+    Ok(())
 }

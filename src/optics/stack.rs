@@ -24,13 +24,25 @@ pub struct Stack {
     pub base: Material,
     /// Number of cuticle layers M, 1 to [`MAX_LAYERS`].
     pub layers: usize,
+    /// Effective index: the share `f` of a layer that is cuticle, between ridges of the ambient medium; above 0, at most 1.
+    /// Light that is wider than a lamella sees `n_eff² = n_ambient² + f (n² - n_ambient²)`, in air
+    /// `sqrt(1 + f (n² - 1))`. `None` takes the layers as whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filling: Option<f64>,
 }
 
 impl Default for Stack {
     /// Air | 9 × cuticle 1.56 with air gaps | air: Table 1 of the paper.
     fn default() -> Self {
         let air = Material::constant(1.0);
-        Self { ambient: air.clone(), cuticle: Material::constant(1.56), gap: air.clone(), base: air, layers: 9 }
+        Self {
+            ambient: air.clone(),
+            cuticle: Material::constant(1.56),
+            gap: air.clone(),
+            base: air,
+            layers: 9,
+            filling: None,
+        }
     }
 }
 
@@ -78,10 +90,17 @@ impl Stack {
         require((1..=MAX_LAYERS).contains(&self.layers), "layers", layers, "", "1 to 100000")?;
         let ambient = self.ambient.index("ambient", wavelength)?;
         require(ambient.im <= 0.0, "extinction coefficient of the ambient", ambient.im, "", "0")?;
+        let mut cuticle = self.cuticle.index("cuticle", wavelength)?;
+        if let Some(filling) = self.filling {
+            require(filling > 0.0 && filling <= 1.0, "filling", filling, "", "above 0, at most 1")?;
+            let around = ambient.re * ambient.re;
+            cuticle = ((cuticle * cuticle - around) * filling + around).sqrt();
+            require_index("cuticle", cuticle)?;
+        }
         Ok(Media {
             wavelength,
             ambient: ambient.re,
-            cuticle: self.cuticle.index("cuticle", wavelength)?,
+            cuticle,
             gap: self.gap.index("gap", wavelength)?,
             base: self.base.index("base", wavelength)?,
         })

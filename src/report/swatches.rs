@@ -36,7 +36,7 @@ pub fn swatches(outcome: &FitOutcome) -> Result<Vec<Swatch>, SweepError> {
     if matches!(outcome.verdict, Verdict::NoThickness | Verdict::NotConverged) {
         return Ok(Vec::new());
     }
-    let model = outcome.settings.model.build(outcome.settings.stack.clone());
+    let model = outcome.settings.forward()?;
     let spread = draws(outcome, &best.values);
     let with_spread = || std::iter::once(inside(&best.values)).chain(spread.iter().copied());
     let mut swatches = Vec::new();

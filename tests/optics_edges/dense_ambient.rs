@@ -75,6 +75,7 @@ fn exactly_at_the_critical_angle_of_a_layer_the_tunnelling_formula_holds() {
                 gap: dense.clone(),
                 base: dense,
                 layers: 1,
+                filling: None,
             };
             let period = Period { cuticle: thickness, gap: 70.0 };
             let both = stack_reflectivity(&stack, period, wavelength, angle);
@@ -103,8 +104,14 @@ fn exactly_at_the_critical_angle_of_the_base_all_is_reflected() {
 #[test]
 fn at_the_critical_angle_every_layer_of_a_stack_may_be_singular_at_once() {
     let dense = Material::constant(2.0);
-    let stack =
-        Stack { ambient: dense.clone(), cuticle: dense.clone(), gap: Material::constant(1.0), base: dense, layers: 30 };
+    let stack = Stack {
+        ambient: dense.clone(),
+        cuticle: dense.clone(),
+        gap: Material::constant(1.0),
+        base: dense,
+        layers: 30,
+        filling: None,
+    };
     for angle in around(radians(30.0)) {
         let found = stack_reflectivity(&stack, TABLE1, 480.0, angle);
         for value in [found.s, found.p] {

@@ -118,6 +118,7 @@ impl PeriodicStack {
             gap: Material::constant(self.n_gap),
             base: Material::constant(self.n_base),
             layers: self.layers,
+            filling: None,
         }
     }
 

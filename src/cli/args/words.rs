@@ -44,6 +44,8 @@ words!(WideWord => WideHeading {
 pub(crate) enum ModelWord {
     /// The paper's structure with its physics put right.
     Blend,
+    /// One reciprocal product that holds both planes and keeps the energy.
+    Hybrid,
     /// The printed formulas.
     Paper,
     /// For a fit: the smallest variant of `blend` that does not lose, of lamellae or multilayer or both, delta 0 or free,

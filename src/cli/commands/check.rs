@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::Polarization;
-use morpho_fit::inversion::{AdviceFound, Estimate, expected};
+use morpho_fit::inversion::{AdviceFound, Estimate, ModelChoice, expected};
 use morpho_fit::report::{Align, Table, plain, terminal, with_sigma, wording};
 use morpho_fit::units::degrees;
 use serde::Serialize;
@@ -90,7 +90,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome> {
         polarizations: polarizations(data),
         has_sigma: data.has_sigma(),
         notes: data.notes().to_vec(),
-        planes: planes(data),
+        planes: planes(data, problem.settings.model),
         expected: of(expected),
     };
     if args.json {
@@ -158,9 +158,13 @@ fn polarizations(data: &Dataset) -> Vec<Polarization> {
     [Polarization::Unpolarized, Polarization::S, Polarization::P].into_iter().filter(seen).collect()
 }
 
-fn planes(data: &Dataset) -> &'static str {
+fn planes(data: &Dataset, model: ModelChoice) -> &'static str {
+    let product = matches!(model, ModelChoice::Hybrid { .. });
     let shares = data.readings().iter().map(|reading| reading.geometry.plane_shares());
     match shares.fold((false, false), |seen, (a, b)| (seen.0 || a > 0.0, seen.1 || b > 0.0)) {
+        (true, false) if product => "only the plane across the ridges (omega 0) is seen",
+        (false, true) if product => "only the plane along the ridges (omega 90) is seen",
+        (true, true) if product => "both planes are seen: across the ridges (omega 0) and along them (omega 90)",
         (true, true) => "both planes are seen: lamella diffraction across the ridges and the multilayer along them",
         (true, false) => "only the plane across the ridges (omega 0) is seen: lamella diffraction, no multilayer",
         (false, true) => "only the plane along the ridges (omega 90) is seen: the multilayer, no lamella diffraction",

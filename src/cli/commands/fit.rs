@@ -95,7 +95,7 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
     let tell = |what: &str| progress.tell(what);
     let found = match args.problem.model.model {
         ModelWord::Auto => choose(data, settings, &tell).map(|choice| choice.fit),
-        ModelWord::Blend | ModelWord::Paper => fit(data, settings, &tell),
+        ModelWord::Blend | ModelWord::Hybrid | ModelWord::Paper => fit(data, settings, &tell),
     };
     let mut fit = found.with_context(|| file.clone())?;
     if let Some(sha256) = &problem.sha256 {

@@ -211,7 +211,7 @@ fn deviance(data: &Dataset, fit: &Fit) -> f64 {
 
 fn score(data: &Dataset, one: &Tried, runs: &Runs, overdispersion: f64) -> Result<Score, FitError> {
     let settings = &one.variant.settings;
-    let model = settings.model.build(settings.stack.clone());
+    let model = settings.forward()?;
     let compiled = Compiled::new(data, settings, model.as_ref())?;
     let readings = data.readings().len();
     let unknowns = readings.saturating_sub(one.fit.outcome.dof);

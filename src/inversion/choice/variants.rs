@@ -3,12 +3,12 @@
 use crate::dataset::Dataset;
 use crate::inversion::nuisance::{Extent, Weight};
 use crate::inversion::parameter::{Parameter, Role};
-use crate::inversion::settings::{FitSettings, Parts};
+use crate::inversion::settings::{FitSettings, ModelChoice, Parts};
 
 /// One variant of what the user asked for.
 #[derive(Debug, Clone)]
 pub(crate) struct Variant {
-    /// `lamella`, `multilayer` or `blend`, with `+ tilt` and `+ background` where these are fitted.
+    /// `lamella`, `multilayer`, `blend` or `hybrid`, with `+ tilt` and `+ background` where these are fitted.
     pub(crate) name: String,
     /// The user's settings with the variant's choices.
     pub(crate) settings: FitSettings,
@@ -17,6 +17,7 @@ pub(crate) struct Variant {
 impl Variant {
     fn new(settings: FitSettings, (lamella, multilayer): (bool, bool)) -> Self {
         let parts = match (lamella, multilayer) {
+            _ if matches!(settings.model, ModelChoice::Hybrid { .. }) => "hybrid",
             (true, false) => "lamella",
             (false, true) => "multilayer",
             _ => "blend",
@@ -41,11 +42,15 @@ impl Variant {
 /// The variants that `data` can tell apart, smaller before larger; what the user chose himself stays in all.
 ///
 /// - Parts: A alone, B alone and both, if the data see both planes, the settings leave out none, and the weight of A is
-///   not given.
+///   not given; not of a model that is one product.
 /// - `delta`: held at 0 and free, if it is free, may be 0, is not required, and the variant has a multilayer.
 /// - Background: none and shared, if the settings have none.
 pub(crate) fn variants(data: &Dataset, settings: &FitSettings) -> Vec<Variant> {
+    let product = matches!(settings.model, ModelChoice::Hybrid { .. });
     let seen = |parts: Parts| {
+        if product {
+            return (false, true);
+        }
         let shares = data.readings().iter().map(|reading| parts.shares(reading.geometry.plane_shares()));
         shares.fold((false, false), |seen, (a, b)| (seen.0 || a > 0.0, seen.1 || b > 0.0))
     };
@@ -74,4 +79,25 @@ pub(crate) fn variants(data: &Dataset, settings: &FitSettings) -> Vec<Variant> {
         }
     }
     variants
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::{HybridModel, Structure};
+    use crate::synthetic::{Scan, simulate};
+
+    #[test]
+    fn a_product_has_no_variants_of_a_part_alone() {
+        let (model, blue) = (HybridModel::default(), Structure::blue());
+        let scans = Scan::full_design(&model, &blue).unwrap();
+        let data = simulate(&model, &blue, &scans, 1.0, 0.01, 1).unwrap();
+        let names = |model| {
+            let settings = FitSettings { model, ..FitSettings::default() };
+            variants(&data, &settings).into_iter().map(|variant| variant.name).collect::<Vec<_>>()
+        };
+        let hybrid = ModelChoice::Hybrid { ridge_spacing: HybridModel::RIDGE_SPACING };
+        assert_eq!(names(hybrid), ["hybrid", "hybrid + background", "hybrid + tilt", "hybrid + tilt + background"]);
+        assert_eq!(names(ModelChoice::Blend).len(), 10);
+    }
 }

@@ -100,7 +100,7 @@ pub fn bootstrap(
     if fit.outcome.settings.loss != Loss::Linear {
         return Err(FitError::RobustBootstrap);
     }
-    let model = fit.outcome.settings.model.build(fit.outcome.settings.stack.clone());
+    let model = fit.outcome.settings.forward()?;
     let compiled = Compiled::of_fit(data, fit, model.as_ref())?;
     let solution = &fit.solution;
     let quantities = Quantity::moving(&compiled, &solution.space);

@@ -86,7 +86,7 @@ pub fn posterior(
     settings: &PosteriorSettings,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Posterior, FitError> {
-    let model = fit.outcome.settings.model.build(fit.outcome.settings.stack.clone());
+    let model = fit.outcome.settings.forward()?;
     let compiled = Compiled::of_fit(data, fit, model.as_ref())?;
     let solution = &fit.solution;
     let noise = Noise::of(data, fit);

@@ -71,7 +71,7 @@ pub struct Profiles {
 /// # Source
 /// Venzon and Moolgavkar 1988, DOI 10.2307/2347496.
 pub fn profiles(data: &Dataset, fit: &Fit, progress: &(dyn Fn(&str) + Sync)) -> Result<Profiles, FitError> {
-    let model = fit.outcome.settings.model.build(fit.outcome.settings.stack.clone());
+    let model = fit.outcome.settings.forward()?;
     let compiled = Compiled::of_fit(data, fit, model.as_ref())?;
     let quantities = Quantity::moving(&compiled, &fit.solution.searched);
     let task = Task { compiled: &compiled, fit };

@@ -14,6 +14,7 @@ pub mod periodic;
 use crate::optics::error::{OpticsError, require};
 use crate::optics::material::WAVELENGTHS;
 use crate::optics::stack::{MAX_LAYERS, Media};
+use crate::optics::structure::Structure;
 use amplitude::Layer;
 pub(crate) use lanes::Rules;
 use periodic::{Cosines, Incidence};
@@ -57,6 +58,12 @@ pub struct Period {
 }
 
 impl Period {
+    /// The layers of a structure.
+    #[must_use]
+    pub fn of(structure: &Structure) -> Self {
+        Self { cuticle: structure.d_cuticle, gap: structure.d_air }
+    }
+
     pub(crate) fn validate(self) -> Result<(), OpticsError> {
         require(THICKNESSES.contains(&self.cuticle), "d_cuticle", self.cuticle, "nm", "0 to 1e6")?;
         require(THICKNESSES.contains(&self.gap), "d_air", self.gap, "nm", "0 to 1e6")

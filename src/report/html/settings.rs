@@ -28,6 +28,9 @@ pub(super) fn settings(settings: &FitSettings) -> String {
         ("fits as well within", format!("delta chi² {level}")),
         ("seed", settings.seed.to_string()),
     ]);
+    if let Some(filling) = stack.filling {
+        rows.push(("filling of the layers", filling.to_string()));
+    }
     if !required.is_empty() {
         let names: Vec<&str> = required.iter().map(|parameter| parameter.name()).collect();
         rows.push(("required", names.join(", ")));

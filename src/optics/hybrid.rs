@@ -1,0 +1,229 @@
+//! The `hybrid` model: one reciprocal reflectance for every direction, which keeps the energy.
+//!
+//! ```text
+//! f = R · min(G, b/a · F) · a²/(lambda b) · sinc²(k a u_x / 2) · P(u_y - v tan(delta))          1/sr
+//! G = v² / (4 cos_i cos_o),   (u_x, u_y, v) = w_i + w_o,   k = 2 pi / lambda
+//! P(x) = pi/(4 w) · cos(pi/2 · x/w)  for |x| < w, else 0,   w = 2 sin(phi_alpha / 2)
+//! F = max(0, min(J_i, J_o)) / min(1, 1/2 + pi v |tan(delta)| / (4 w)),   J = 1 + tan(delta) w_y / w_z
+//! ```
+//!
+//! `w_i` and `w_o` are the unit vectors from the surface to source and detector: x across the ridges, y along them, z
+//! normal. `b` is the distance of the ridges, R the stack's reflectivity for `cos = v/2`, lambda the wavelength in the
+//! ambient medium. Across the ridges f is the slit of a lamella, along them a lobe about the mirror beam of the layers.
+//!
+//! - **Tilt.** Layers tilted by `delta` mirror where `u_y = v tan(delta)`: in the plane along the ridges that is exactly
+//!   `phi = 2 delta - theta`. `u_y` and `v` are sums over both directions, so exchanging them changes nothing.
+//! - **Lobe.** `P` has the integral 1, and the shape of the paper's lobe. A layer turned by `phi_alpha / 2` sends light back
+//!   along its own normal at `u_y = 2 sin(phi_alpha / 2)`; near the normal this is a half-width of `phi_alpha` in `phi`.
+//! - **Energy.** `du_x du_y = cos_o dΩ`, so slit and lobe have at most the mass `a/b`. G is 1 in the mirror direction and
+//!   grows without end where one direction grazes and the other does not; `J` is what turns `dx` into `du_y`. Light that
+//!   grazes meets at least half of an even slit and lobe below the horizon, which `F` allows for. The albedo of a white
+//!   stack (R = 1) is then at most 1 for any lobe and tilt if `a <= b` (a wider lamella is refused), and f finite.
+//!   Without that limit, which untilted layers of `a/b = 0.4` meet beyond `G = 5` alone, it would grow as `1/cos_i`.
+//!   A narrow lobe of layers without tilt gives back at most `a/b` up to 82° of incidence, for any width and wavelength.
+//! - **Grazing.** Along the horizon f is finite, and 0 where the layers are in their own shadow (`J <= 0`); below it 0.
+//!
+//! In the plane of incidence a detector reads `f cos_o · 1 sr`: the share of the incident power that reaches it, as `phi`
+//! of the other models, for a detector of 1 sr that looks at all of the spot.
+
+use crate::geometry::{Geometry, Polarization};
+use crate::optics::error::require;
+use crate::optics::lamella::slit_factor;
+use crate::optics::multilayer::{self, Period, SAndP, StackSlopes};
+use crate::optics::{Join, Media, OpticsError, ReflectivityModel, Stack, Structure};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::ops::RangeInclusive;
+
+/// Distances of ridges, nm.
+const SPACINGS: RangeInclusive<f64> = 1.0..=1e6;
+
+/// Cosine that stands in for smaller ones in a slope, so that a rounded direction along x has none along y.
+const HORIZON: f64 = 1e-9;
+
+/// Squared lengths of a unit vector, to the rounding of a file with seven digits.
+const UNIT: RangeInclusive<f64> = 1.0 - 1e-6..=1.0 + 1e-6;
+
+/// Both planes as one product: see the [module](self).
+///
+/// ```
+/// use morpho_fit::geometry::Polarization;
+/// use morpho_fit::optics::{HybridModel, Structure};
+/// let (model, blue) = (HybridModel::default(), Structure::blue());
+/// let (up, side) = ([0.0, 0.0, 1.0], [0.6, 0.0, 0.8]);
+/// let there = model.brdf(&blue, up, side, Polarization::Unpolarized, 470.0)?;
+/// let back = model.brdf(&blue, side, up, Polarization::Unpolarized, 470.0)?;
+/// assert!(there > 0.0 && (there - back).abs() < 1e-15);
+/// # Ok::<(), morpho_fit::optics::OpticsError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct HybridModel {
+    /// Media and layer count.
+    pub stack: Stack,
+    /// Distance of the ridges `b`, nm, 1 to 1e6.
+    pub ridge_spacing: f64,
+}
+
+impl HybridModel {
+    /// Distance of the ridges of a *Morpho*, nm.
+    pub const RIDGE_SPACING: f64 = 750.0;
+
+    /// The bidirectional reflectance distribution function, 1/sr.
+    ///
+    /// - `incoming`, `outgoing`: unit vectors from the surface to source and detector: x across the ridges, y along them, z
+    ///   along the scale normal. Exchanging them changes nothing. Below the horizon it is 0.
+    /// - `polarization`: against the plane that holds both of them, in which the layers reflect.
+    /// - `wavelength` in vacuum, nm.
+    ///
+    /// # Errors
+    /// [`OpticsError::OutOfRange`] for input out of range, such as a vector whose length is not 1.
+    pub fn brdf(
+        &self,
+        structure: &Structure,
+        incoming: [f64; 3],
+        outgoing: [f64; 3],
+        polarization: Polarization,
+        wavelength: f64,
+    ) -> Result<f64, OpticsError> {
+        self.validate()?;
+        structure.validate()?;
+        require_narrow(structure, self.ridge_spacing)?;
+        for (quantity, [x, y, z]) in
+            [("squared length of incoming", incoming), ("squared length of outgoing", outgoing)]
+        {
+            let squared = x * x + y * y + z * z;
+            require(UNIT.contains(&squared), quantity, squared, "", "1: give a unit vector")?;
+        }
+        let media = self.stack.media(wavelength)?;
+        if incoming[2] < 0.0 || outgoing[2] < 0.0 {
+            return Ok(0.0);
+        }
+        let node = HybridNode::new(incoming, outgoing, wavelength / media.ambient);
+        let both = self.stack_reflectivity(&media, Period::of(structure), node.angle)?;
+        let (s, p) = polarization.shares();
+        Ok((s * both.s + p * both.p) * node.spread(structure, self.ridge_spacing))
+    }
+
+}
+
+/// Checks that a lamella is no wider than the distance of the ridges.
+pub(crate) fn require_narrow(structure: &Structure, ridge_spacing: f64) -> Result<(), OpticsError> {
+    let width = structure.lamella_width;
+    require(width <= ridge_spacing, "lamella_width", width, "nm", "at most the spacing of the ridges")
+}
+
+impl Default for HybridModel {
+    /// The default stack with ridges 750 nm apart.
+    fn default() -> Self {
+        Self { stack: Stack::default(), ridge_spacing: Self::RIDGE_SPACING }
+    }
+}
+
+impl ReflectivityModel for HybridModel {
+    fn name(&self) -> &'static str {
+        "hybrid"
+    }
+
+    fn stack(&self) -> &Stack {
+        &self.stack
+    }
+
+    fn join(&self) -> Join {
+        Join::Product { ridge_spacing: self.ridge_spacing }
+    }
+
+    fn validate(&self) -> Result<(), OpticsError> {
+        let found = self.ridge_spacing;
+        require(SPACINGS.contains(&found), "ridge spacing", found, "nm", "1 to 1e6")
+    }
+
+    fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
+        Ok(multilayer::reflectivity_unchecked(media, period, self.stack.layers, angle))
+    }
+
+    fn stack_reflectivities(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [SAndP],
+    ) -> Result<(), OpticsError> {
+        multilayer::reflectivities_unchecked(media, wavenumbers, period, self.stack.layers, angle, out);
+        Ok(())
+    }
+
+    fn stack_slopes(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [StackSlopes],
+    ) -> bool {
+        multilayer::slopes_unchecked(media, wavenumbers, period, self.stack.layers, angle, out)
+    }
+}
+
+/// The two directions of one reading as the product sees them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HybridNode {
+    /// Angle of the light from the layers' normal, `acos(v / 2)`, rad.
+    pub(crate) angle: f64,
+    /// `u_x k / 2`, 1/nm.
+    half_ku: f64,
+    u_y: f64,
+    v: f64,
+    /// `1 / lambda`, times what a reading has beside f, 1/nm.
+    strength: f64,
+    /// G; infinite where one direction grazes.
+    gain: f64,
+    /// `w_y / w_z` of both directions.
+    slopes: [f64; 2],
+}
+
+impl HybridNode {
+    /// Of two unit vectors above the horizon, for f; `wavelength` in the ambient medium, nm.
+    fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
+        let [u_x, u_y, v] = std::array::from_fn(|axis| incoming[axis] + outgoing[axis]);
+        let slopes = [incoming, outgoing].map(|[_, y, z]| y / z.max(HORIZON));
+        // Along the horizon both ways it is 0/0: the value of the mirror direction is taken.
+        let gain = if v > 0.0 { v * v / (4.0 * incoming[2] * outgoing[2]) } else { 1.0 };
+        let angle = (0.5 * v).min(1.0).acos();
+        Self { angle, half_ku: PI * u_x / wavelength, u_y, v, strength: wavelength.recip(), gain, slopes }
+    }
+
+    /// Of a reading in the plane of incidence, for `f cos_o`; angles at most pi/2 in size.
+    pub(crate) fn in_plane(geometry: &Geometry, wavelength: f64) -> Self {
+        let Geometry { theta, phi, omega } = *geometry;
+        let (sin, cos) = omega.sin_cos();
+        let of = |angle: f64| [angle.sin() * cos, angle.sin() * sin, angle.cos().max(0.0)];
+        let [incoming, outgoing] = [of(theta), of(phi)];
+        let node = Self::new(incoming, outgoing, wavelength);
+        // At the mirror direction u is 0, which the sum of two rounded sines need not be.
+        let u = if (theta + phi).abs() < f64::EPSILON { 0.0 } else { theta.sin() + phi.sin() };
+        let half_ku = PI * u * cos / wavelength;
+        Self { half_ku, u_y: u * sin, strength: node.strength * outgoing[2], ..node }
+    }
+
+    /// All of the product but R: 1/sr of the BRDF, or what a detector of 1 sr reads; NaN for a lamella wider than the
+    /// spacing of the ridges.
+    #[inline]
+    pub(crate) fn spread(&self, structure: &Structure, ridge_spacing: f64) -> f64 {
+        let Structure { delta, phi_alpha, lamella_width, .. } = *structure;
+        if lamella_width > ridge_spacing {
+            return f64::NAN;
+        }
+        let tilt = delta.tan();
+        let half_width = 2.0 * (0.5 * phi_alpha).sin();
+        let offset = self.u_y - self.v * tilt;
+        if offset.abs() >= half_width {
+            return 0.0;
+        }
+        let lobe = FRAC_PI_4 / half_width * (FRAC_PI_2 * offset / half_width).cos();
+        let facing = (1.0 + tilt * self.slopes[0]).min(1.0 + tilt * self.slopes[1]).max(0.0);
+        let above = (0.5 + FRAC_PI_4 * self.v * tilt.abs() / half_width).min(1.0);
+        let gain = self.gain.min(ridge_spacing / lamella_width * facing / above);
+        let slit = slit_factor(self.half_ku * lamella_width);
+        self.strength * lamella_width * lamella_width / ridge_spacing * slit * slit * gain * lobe
+    }
+}
