@@ -1,7 +1,7 @@
 //! From arguments to checked settings and data.
 
 use crate::args::{
-    ModelArgs, ModelWord, NuisanceArgs, ParameterArgs, PresetWord, ProblemArgs, ReadingArgs, StructureArgs,
+    AverageArgs, ModelArgs, ModelWord, NuisanceArgs, ParameterArgs, PresetWord, ProblemArgs, ReadingArgs, StructureArgs,
 };
 use crate::exit::{BadData, Usage};
 use crate::index_table::material;
@@ -10,7 +10,8 @@ use crate::{output, values};
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Constants, Dataset, ReadOptions, read_csv};
 use morpho_fit::inversion::{FitSettings, ModelChoice, Nuisances, Parameter, Role, Search};
-use morpho_fit::optics::{HybridModel, Material, Stack, Structure};
+use morpho_fit::optics::{Averages, HybridModel, Material, ReflectivityModel, Stack, Structure};
+use morpho_fit::units::radians;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -136,6 +137,7 @@ fn settings(args: &ProblemArgs) -> Result<FitSettings> {
     let mut settings = FitSettings {
         model: model(&args.model)?,
         stack: stack(&args.model)?,
+        averages: averages(&args.model)?,
         nuisances: Nuisances { scale: scale.value(), weight, background: background.value() },
         loss: loss.value(),
         search: if local { Search::Local } else { Search::Global },
@@ -207,6 +209,25 @@ pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
         return Err(Usage(format!("--layers {found}: the number of layers is from 1 to {most}")).into());
     }
     Ok(stack)
+}
+
+fn averages(args: &ModelArgs) -> Result<Averages> {
+    let AverageArgs { numerical_aperture, bandwidth, period_spread, tilt_spread } = args.averages;
+    let averages = Averages {
+        numerical_aperture: numerical_aperture.unwrap_or_default(),
+        bandwidth: bandwidth.unwrap_or_default(),
+        period_spread: period_spread.unwrap_or_default(),
+        tilt_spread: radians(tilt_spread.unwrap_or_default()),
+    };
+    averages.validate().map_err(|problem| Usage(problem.to_string()))?;
+    Ok(averages)
+}
+
+/// The forward model that the flags name.
+pub(crate) fn forward(args: &ModelArgs) -> Result<Box<dyn ReflectivityModel>> {
+    let settings =
+        FitSettings { model: model(args)?, stack: stack(args)?, averages: averages(args)?, ..FitSettings::default() };
+    Ok(settings.forward()?)
 }
 
 /// The preset that is named.

@@ -28,7 +28,7 @@ impl Subject {
         options::one_model(&args.model)?;
         let Some(path) = &args.fit else {
             let structure = options::structure(&args.structure, options::preset(&args.structure));
-            let model = options::model(&args.model)?.build(options::stack(&args.model)?);
+            let model = options::forward(&args.model)?;
             let name = args.structure.preset.unwrap_or(PresetWord::Blue).name();
             let folder = Path::new("fits").join(name);
             return Ok(Self { name: format!("preset {name}"), folder, structure, model, fit: None });
@@ -58,7 +58,7 @@ impl Subject {
         for (value, parameter) in values.iter_mut().zip(Parameter::ALL) {
             *value = parameter.inside(*value);
         }
-        let model = outcome.settings.forward()?;
+        let model = outcome.settings.forward().ok()?;
         let (name, folder) = (name.to_owned(), PathBuf::new());
         Some(Self { name, folder, structure: structure(&values), model, fit: Some(outcome.clone()) })
     }
@@ -105,6 +105,10 @@ fn of_the_model(args: &SubjectArgs) -> Option<&'static str> {
         ("--admittance", model.admittance.is_some()),
         ("--lamella-unit", model.lamella_unit.is_some()),
         ("--ridge-spacing", model.ridge_spacing.is_some()),
+        ("--numerical-aperture", model.averages.numerical_aperture.is_some()),
+        ("--bandwidth", model.averages.bandwidth.is_some()),
+        ("--period-spread", model.averages.period_spread.is_some()),
+        ("--tilt-spread", model.averages.tilt_spread.is_some()),
         ("--effective-index", model.effective_index.is_some()),
         ("--layers", model.layers != LAYERS),
         ("--n-cuticle", model.n_cuticle.is_some()),

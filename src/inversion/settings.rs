@@ -3,8 +3,8 @@
 use crate::inversion::nuisance::{Nuisances, Weight};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::optics::{
-    Admittance, AveragedModel, Averages, BlendModel, HybridModel, LamellaUnit, OpticsError, PaperModel, ReflectivityModel,
-    Snell, Stack,
+    Admittance, AveragedModel, Averages, BlendModel, HybridModel, LamellaUnit, OpticsError, PaperModel,
+    ReflectivityModel, Snell, Stack,
 };
 use crate::optimise::Loss;
 use serde::{Deserialize, Serialize};

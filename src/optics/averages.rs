@@ -137,7 +137,8 @@ impl AveragedModel {
         };
         if sin.abs() < f64::EPSILON {
             // All azimuths are one: the rays come in rings, whose slopes cancel.
-            let ring = |rays: &[Ray]| Beam { slope: 0.0, share: rays.iter().map(|ray| ray.share).sum(), ..of(&rays[0]) };
+            let ring =
+                |rays: &[Ray]| Beam { slope: 0.0, share: rays.iter().map(|ray| ray.share).sum(), ..of(&rays[0]) };
             return self.rays.chunks(AROUND).map(ring).collect();
         }
         self.rays.iter().map(of).collect()
@@ -304,7 +305,11 @@ mod tests {
     #[test]
     fn no_average_changes_nothing() {
         for angle in [0.0, 0.4] {
-            assert_abs_diff_eq!(mean_of(Averages::default(), 480.0, angle), blend(480.0, PERIOD, angle), epsilon = 1e-14);
+            assert_abs_diff_eq!(
+                mean_of(Averages::default(), 480.0, angle),
+                blend(480.0, PERIOD, angle),
+                epsilon = 1e-14
+            );
         }
         assert!(Averages::default().is_none());
     }

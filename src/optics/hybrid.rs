@@ -102,7 +102,6 @@ impl HybridModel {
         let (s, p) = polarization.shares();
         Ok((s * both.s + p * both.p) * node.spread(structure, self.ridge_spacing))
     }
-
 }
 
 /// Checks that a lamella is no wider than the distance of the ridges.

@@ -166,7 +166,10 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
             Ok::<f64, OpticsError>(s * both.s + p * both.p)
         };
         let terms = |lamella, multilayer| {
-            [Contribution { name: LAMELLA, intensity: lamella }, Contribution { name: MULTILAYER, intensity: multilayer }]
+            [
+                Contribution { name: LAMELLA, intensity: lamella },
+                Contribution { name: MULTILAYER, intensity: multilayer },
+            ]
         };
         if let Join::Product { ridge_spacing } = self.join() {
             // Lamellae and layers are factors, not terms.

@@ -10,7 +10,7 @@ mod words;
 
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;
-pub(crate) use problem::{LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
+pub(crate) use problem::{AverageArgs, LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
 pub(crate) use structure::StructureArgs;
 pub(crate) use subject::SubjectArgs;
 pub(crate) use words::{

@@ -100,6 +100,25 @@ pub(crate) struct ModelArgs {
     /// Refractive index before the first layer, written like that of the cuticle, without absorption [default: 1].
     #[arg(long, value_name = "INDEX", value_parser = values::index, allow_negative_numbers = true)]
     pub(crate) n_ambient: Option<Index>,
+    #[command(flatten)]
+    pub(crate) averages: AverageArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Averages of the multilayer (off unless given)")]
+pub(crate) struct AverageArgs {
+    /// Numerical aperture of the objective that lights and gathers, 0 to 0.99.
+    #[arg(long, value_name = "NA", value_parser = values::not_negative, allow_negative_numbers = true)]
+    pub(crate) numerical_aperture: Option<f64>,
+    /// Full width at half maximum of the instrument's band, nm.
+    #[arg(long, value_name = "NM", value_parser = values::not_negative, allow_negative_numbers = true)]
+    pub(crate) bandwidth: Option<f64>,
+    /// Standard deviation of the period over the spot, nm; both layers in proportion.
+    #[arg(long, value_name = "NM", value_parser = values::not_negative, allow_negative_numbers = true)]
+    pub(crate) period_spread: Option<f64>,
+    /// Standard deviation of the tilt over the spot, degrees.
+    #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
+    pub(crate) tilt_spread: Option<f64>,
 }
 
 #[derive(Debug, Args)]

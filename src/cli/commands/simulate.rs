@@ -14,7 +14,7 @@ pub(crate) fn run(args: &SimulateArgs, line: &[OsString]) -> Result<Outcome> {
     options::one_model(&args.model)?;
     let measurement = &args.measurement;
     let structure = options::structure(&args.structure, options::preset(&args.structure));
-    let model = options::model(&args.model)?.build(options::stack(&args.model)?);
+    let model = options::forward(&args.model)?;
     let scans = match measurement.scan.as_slice() {
         [] => Scan::full_design(model.as_ref(), &structure)?,
         requests => scans::named(requests),

@@ -140,7 +140,7 @@ mod tests {
         let nuisances = Nuisances { scale: Extent::Shared, weight: Weight::Fixed(1.0), background: Extent::None };
         let settings = FitSettings { roles, nuisances, ..FitSettings::default() };
         let found = fit(&data, &settings, &|_| {}).unwrap();
-        let model = settings.forward()?;
+        let model = settings.forward().unwrap();
         let compiled = Compiled::new(&data, &settings, model.as_ref()).unwrap();
         let runs = Runs::new(&data);
         let whole: f64 = deviances(&compiled, &found, &runs).unwrap().iter().sum();

@@ -3,6 +3,7 @@
 use super::markup::{escape, facts};
 use crate::inversion::{FitSettings, Parameter, Role};
 use crate::optics::Material;
+use crate::units::degrees;
 use serde::Serialize;
 
 /// Decimals that a change of units and back leaves right.
@@ -11,7 +12,8 @@ const DECIMALS: f64 = 1e9;
 /// The table, and below it all of them as JSON.
 pub(super) fn settings(settings: &FitSettings) -> String {
     let mut rows: Vec<(&str, String)> = Parameter::ALL.iter().map(|one| (one.name(), role(*one, settings))).collect();
-    let FitSettings { model, parts, stack, nuisances, loss, search, level, required, .. } = settings;
+    let FitSettings { model, parts, stack, nuisances, loss, search, derivative, averages, level, required, .. } =
+        settings;
     rows.extend([
         ("model", word(model)),
         ("parts", word(parts)),
@@ -25,11 +27,18 @@ pub(super) fn settings(settings: &FitSettings) -> String {
         ("background", word(&nuisances.background)),
         ("loss", word(loss)),
         ("search", word(search)),
+        ("derivative", word(derivative)),
         ("fits as well within", format!("delta chi² {level}")),
         ("seed", settings.seed.to_string()),
     ]);
     if let Some(filling) = stack.filling {
         rows.push(("filling of the layers", filling.to_string()));
+    }
+    if !averages.is_none() {
+        let (spread, tilt) = (averages.period_spread, rounded(degrees(averages.tilt_spread)));
+        let (aperture, band) = (averages.numerical_aperture, averages.bandwidth);
+        let all = format!("numerical aperture {aperture}, band {band} nm, period ± {spread} nm, tilt ± {tilt} deg");
+        rows.push(("averages", all));
     }
     if !required.is_empty() {
         let names: Vec<&str> = required.iter().map(|parameter| parameter.name()).collect();
