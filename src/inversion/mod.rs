@@ -32,6 +32,9 @@ mod wording;
 
 pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitExpected, advise};
 pub use atlas::{ChiSquareMap, Relation, chi_square_map};
+pub(crate) use compiled::Compiled;
+pub(crate) use problem::Problem;
+pub(crate) use space::Space;
 pub use choice::{Choice, ChoiceFound, Criterion, FOLDS, Standing, VariantFound, choose};
 pub use combinations::Combination;
 pub use design::{DesignError, Expected, expected};

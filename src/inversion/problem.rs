@@ -38,6 +38,11 @@ impl<'a> Problem<'a> {
         Self { plan: &compiled.plan, linear: &compiled.linear, space, robust, last: RefCell::new(None) }
     }
 
+    /// Number of residuals.
+    pub(crate) fn len(&self) -> usize {
+        self.plan.len()
+    }
+
     pub(crate) fn space(&self) -> &Space {
         self.space
     }

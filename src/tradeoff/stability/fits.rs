@@ -1,0 +1,116 @@
+//! Solvers on hard input: difference steps, noise, starts.
+
+use super::{Map, Row, Verdict, forms};
+use crate::inversion::{Compiled, FitSettings, Parameter, Problem, Search, Space, fit, values};
+use crate::optics::Structure;
+use crate::optimise::{Tolerances, minimise};
+use crate::tradeoff::solvers::problems::{Known, drawn};
+use crate::tradeoff::solvers::rivals::Rival;
+use crate::tradeoff::solvers::watched::{Difference, Watched};
+use crate::tradeoff::{Settings, TradeoffError};
+use nalgebra::DVector;
+
+/// Evaluations after which a run is given up; a good one takes below 200.
+const LIMIT: usize = 3000;
+/// How far an end may be from the minimum, in ranges.
+const SAME: f64 = 1e-4;
+/// Where the start is, off the truth.
+const START: f64 = 0.05;
+/// Relative steps that are tried.
+const STEPS: [f64; 6] = [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-13];
+
+/// One problem and the way into it.
+struct Case {
+    input: String,
+    /// Step of the forms that have a fixed one.
+    step: f64,
+    noise: f64,
+    start: [f64; 5],
+}
+
+fn cases() -> Vec<Case> {
+    let truth = values(&Structure::table1());
+    // Thicknesses against each other, as no symmetry of the model takes it back.
+    let off = |share: f64| {
+        let signs = [1.0, -1.0, 1.0, -1.0, 1.0];
+        std::array::from_fn(|j| truth[j] * (1.0 + share * signs[j]))
+    };
+    let near = off(START);
+    let mut cases: Vec<Case> = STEPS
+        .into_iter()
+        .map(|step| Case { input: format!("difference step {step:e}"), step, noise: 0.01, start: near })
+        .collect();
+    let usual = 1e-6;
+    for noise in [0.0, 0.1, 0.5] {
+        let input = format!("noise {} %", 100.0 * noise);
+        cases.push(Case { input, step: usual, noise, start: near });
+    }
+    for share in [0.1, 0.2, 0.4] {
+        let input = format!("start {} % off", 100.0 * share);
+        cases.push(Case { input, step: usual, noise: 0.01, start: off(share) });
+    }
+    let swapped = [truth[1] * 1.56, truth[0] / 1.56, truth[2], truth[3], truth[4]];
+    let narrow = [near[0], near[1], Parameter::Delta.inside(-9.5), 0.1, near[4]];
+    let no_tilt = [truth[0], truth[1], 0.0, truth[3], truth[4]];
+    cases.push(Case { input: "start at the swap alias".to_owned(), step: usual, noise: 0.01, start: swapped });
+    cases.push(Case { input: "start with a narrow lobe beside".to_owned(), step: usual, noise: 0.01, start: narrow });
+    cases.push(Case { input: "start at δ = 0".to_owned(), step: usual, noise: 0.01, start: no_tilt });
+    cases
+}
+
+pub(super) fn map(settings: &Settings) -> Result<Map, TradeoffError> {
+    let rows = cases().iter().map(|case| row(case, settings.seed)).collect::<Result<_, _>>()?;
+    Ok(Map {
+        title: "Solvers".to_owned(),
+        forms: forms(&[
+            ("Gauss–Newton, forward, fixed step", false),
+            ("Gauss–Newton, central, fixed step", false),
+            ("levenberg-marquardt, forward, fixed step", false),
+            ("levenberg-marquardt, central, fixed step", false),
+            ("ours, local", false),
+            ("ours, global", true),
+        ]),
+        rows,
+    })
+}
+
+fn row(case: &Case, seed: u64) -> Result<Row, TradeoffError> {
+    let Known { data, settings, .. } = drawn(&values(&Structure::table1()), case.noise, seed)?;
+    let model = settings.model.build(settings.stack.clone());
+    let compiled = Compiled::new(&data, &settings, model.as_ref())?;
+    let space = Space::new(&settings.roles)?;
+    let problem = Problem::new(&compiled, &space, &[]);
+    let vector = |values: &[f64; 5]| DVector::from_column_slice(values);
+    let start = space.bounds.clamp(&vector(&case.start));
+    // The minimum that belongs to the truth.
+    let known = minimise(&problem, &vector(&values(&Structure::table1())), Tolerances::default()).parameters;
+    let judge = |found: Option<&DVector<f64>>, spent: bool| match found {
+        Some(found) if found.iter().any(|value| !value.is_finite()) => Verdict::NotANumber,
+        Some(found) if (found - &known).component_div(&space.ranges).amax() <= SAME => Verdict::Right,
+        _ if spent => Verdict::Endless,
+        Some(_) => Verdict::Wrong,
+        None => Verdict::Refused,
+    };
+    let mut cells = Vec::new();
+    for (rival, difference) in [
+        (Rival::GaussNewton, Difference::FixedForward(case.step)),
+        (Rival::GaussNewton, Difference::FixedCentral(case.step)),
+        (Rival::Minpack, Difference::FixedForward(case.step)),
+        (Rival::Minpack, Difference::FixedCentral(case.step)),
+        (Rival::Ours, Difference::Kernel),
+    ] {
+        let watched = Watched::new(&problem, &space, difference, &|| 0.0).for_evaluations(LIMIT);
+        let found = rival.descend(&watched, &start, seed);
+        cells.push(judge(found.as_ref(), watched.is_spent()));
+    }
+    let begin = Parameter::ALL.map(|parameter| Some(start[parameter.index()]));
+    let global = FitSettings { search: Search::Global, start: begin, ..settings.clone() };
+    let outcome = fit(&data, &global, &|_| {})?.outcome;
+    let found = DVector::from_iterator(
+        5,
+        (Parameter::ALL.iter().zip(outcome.parameters.each()))
+            .map(|(parameter, (_, estimate))| parameter.inside(estimate.value.or(estimate.held_at).unwrap_or(f64::NAN))),
+    );
+    cells.push(judge(Some(&found), false));
+    Ok(Row { input: case.input.clone(), expected: "the minimum of the truth".to_owned(), cells })
+}
