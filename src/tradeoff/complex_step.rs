@@ -52,7 +52,7 @@ pub(crate) fn jacobian(design: &Design, values: &[f64; 5], way: Way) -> DMatrix<
 fn readings(design: &Design, [d_air, d_cuticle, delta, phi_alpha, width]: [C; 5], way: Way) -> Vec<C> {
     let lobes: Vec<C> = design.views.iter().map(|&view| lobe(view, delta, phi_alpha)).collect();
     let stack: Vec<C> = (design.wavelengths.iter())
-        .map(|&wavelength| reflectivity(TAU / wavelength, d_air, d_cuticle, -delta, way))
+        .map(|&wavelength| reflectivity((INDEX, LAYERS), TAU / wavelength, d_air, d_cuticle, -delta, way))
         .collect();
     let mut lamellae = Vec::new();
     for &wavelength in &design.wavelengths {
@@ -90,7 +90,7 @@ fn slit_factor(y: C) -> C {
 fn array_factor(x: C, way: Way) -> C {
     let count = LAYERS as f64;
     match way {
-        Way::Chebyshev => chebyshev(ComplexField::cos(x) * 2.0).0 / count,
+        Way::Chebyshev => chebyshev(ComplexField::cos(x) * 2.0, LAYERS).0 / count,
         Way::Product => {
             let cosine = |layer: usize| ComplexField::cos(x * (count - 1.0 - 2.0 * layer as f64));
             (0..LAYERS).map(cosine).sum::<C>() / count
@@ -99,9 +99,9 @@ fn array_factor(x: C, way: Way) -> C {
 }
 
 /// `U_(M-1)` and `U_(M-2)` for a trace.
-fn chebyshev(trace: C) -> (C, C) {
+fn chebyshev(trace: C, layers: usize) -> (C, C) {
     let (mut u, mut v) = (C::new(1.0, 0.0), C::new(0.0, 0.0));
-    for _ in 1..LAYERS {
+    for _ in 1..layers {
         (u, v) = (trace * u - v, u);
     }
     (u, v)
@@ -114,13 +114,20 @@ fn product([a, b, c, d]: Matrix, [e, f, g, h]: Matrix) -> Matrix {
     [a * e - b * g, a * f + b * h, c * e + d * g, d * h - c * f]
 }
 
+/// `dR/dd_cuticle` at normal incidence of `layers` layers of `index` in air.
+pub(crate) fn slope(index: f64, layers: usize, wavelength: f64, d_air: f64, d_cuticle: f64) -> f64 {
+    let (gap, cuticle) = (C::new(d_air, 0.0), C::new(d_cuticle, STEP));
+    let normal = C::new(0.0, 0.0);
+    reflectivity((index, layers), TAU / wavelength, gap, cuticle, normal, Way::Chebyshev).im / STEP
+}
+
 /// Mean of `R_s` and `R_p` in air.
-fn reflectivity(k: f64, d_air: C, d_cuticle: C, angle: C, way: Way) -> C {
+fn reflectivity((index, layers): (f64, usize), k: f64, d_air: C, d_cuticle: C, angle: C, way: Way) -> C {
     let (sin, cos) = (ComplexField::sin(angle), ComplexField::cos(angle));
-    let cos_inside = ComplexField::sqrt(C::new(1.0, 0.0) - sin * sin / (INDEX * INDEX));
-    let phases = [d_cuticle * cos_inside * (INDEX * k), d_air * cos * k];
+    let cos_inside = ComplexField::sqrt(C::new(1.0, 0.0) - sin * sin / (index * index));
+    let phases = [d_cuticle * cos_inside * (index * k), d_air * cos * k];
     // For p the impedance stands in for the admittance: the same R.
-    let each = [(cos, cos_inside * INDEX), (cos, cos_inside / INDEX)].map(|(outside, inside)| {
+    let each = [(cos, cos_inside * index), (cos, cos_inside / index)].map(|(outside, inside)| {
         let layer = |phase: C, y: C| {
             let (sin, cos) = (ComplexField::sin(phase), ComplexField::cos(phase));
             [cos, sin / y, sin * y, cos]
@@ -129,9 +136,9 @@ fn reflectivity(k: f64, d_air: C, d_cuticle: C, angle: C, way: Way) -> C {
         let one = C::new(1.0, 0.0);
         let zero = C::new(0.0, 0.0);
         let [a, b, c, d] = match way {
-            Way::Product => (0..LAYERS).fold([one, zero, zero, one], |sum, _| product(sum, period)),
+            Way::Product => (0..layers).fold([one, zero, zero, one], |sum, _| product(sum, period)),
             Way::Chebyshev => {
-                let (u, v) = chebyshev(period[0] + period[3]);
+                let (u, v) = chebyshev(period[0] + period[3], layers);
                 [u * period[0] - v, u * period[1], u * period[2], u * period[3] - v]
             }
         };

@@ -55,32 +55,68 @@ impl Pile {
         [of(self.base.re), of(self.gap.re), of(self.cuticle.re), (self.ambient, self.cosine)]
     }
 
-    /// The paper's recurrence for each polarization. `printed`: `tan` is undone by `atan`, and the first phase is 0.
-    pub(crate) fn recurrence(&self, printed: bool) -> f64 {
+    /// `rho` of each interface from the base, and `gamma_p` of each layer with its derivative by `d_cuticle`.
+    fn interfaces(&self, is_p: bool) -> (Vec<f64>, Vec<(f64, f64)>) {
         let media = self.real();
-        let [gap, cuticle] = [(media[1], self.d_gap), (media[2], self.d_cuticle)]
-            .map(|((n, cos), d)| 2.0 * TAU / self.wavelength * n * d * cos);
+        let [base, in_gap, in_cuticle, ambient] = media.map(|(n, cos)| if is_p { n / cos } else { n * cos });
+        let path = |(n, cos): (f64, f64)| 2.0 * TAU / self.wavelength * n * cos;
+        let mut admittances = vec![base];
+        let mut phases = Vec::new();
+        for _ in 0..self.layers {
+            admittances.extend([in_gap, in_cuticle]);
+            phases.extend([
+                (path(media[1]) * self.d_gap, 0.0),
+                (path(media[2]) * self.d_cuticle, path(media[2])),
+            ]);
+        }
+        admittances.push(ambient);
+        (admittances.windows(2).map(|pair| (pair[0] - pair[1]) / (pair[0] + pair[1])).collect(), phases)
+    }
+
+    /// The paper's recurrence for each polarization, in the precision of `T`. `printed`: `tan` is undone by `atan`, and the
+    /// first phase is 0.
+    pub(crate) fn recurrence<T: RealField + Copy>(&self, printed: bool) -> f64 {
+        let (one, two) = (T::one(), T::one() + T::one());
         mean_of(|is_p| {
-            let [base, in_gap, in_cuticle, ambient] =
-                media.map(|(n, cos)| if is_p { n / cos } else { n * cos });
-            let mut admittances = vec![base];
-            let mut phases = Vec::new();
-            for _ in 0..self.layers {
-                admittances.extend([in_gap, in_cuticle]);
-                phases.extend([gap, cuticle]);
-            }
-            admittances.push(ambient);
-            let rho: Vec<f64> = admittances.windows(2).map(|pair| (pair[0] - pair[1]) / (pair[0] + pair[1])).collect();
-            let (mut r, mut gamma) = (rho[0] * rho[0], if rho[0] < 0.0 && !printed { PI } else { 0.0 });
-            for (rho, phase) in rho.iter().skip(1).zip(phases) {
-                let (sin, cos) = (gamma + phase).sin_cos();
-                let mixed = 2.0 * rho * r.sqrt() * cos;
-                let above = r.sqrt() * (1.0 - rho * rho) * sin;
-                let below = rho * (1.0 + r) + r.sqrt() * (1.0 + rho * rho) * cos;
+            let (rho, phases) = self.interfaces(is_p);
+            let mut rho = rho.into_iter().map(convert::<f64, T>);
+            let first = rho.next().unwrap_or(one);
+            let (mut r, mut gamma) =
+                (first * first, if first < T::zero() && !printed { convert(PI) } else { T::zero() });
+            for (rho, (phase, _)) in rho.zip(phases) {
+                let (sin, cos) = (gamma + convert::<f64, T>(phase)).sin_cos();
+                let mixed = two * rho * r.sqrt() * cos;
+                let above = r.sqrt() * (one - rho * rho) * sin;
+                let below = rho * (one + r) + r.sqrt() * (one + rho * rho) * cos;
                 gamma = if printed { (above / below).atan() } else { above.atan2(below) };
-                r = (rho * rho + r + mixed) / (1.0 + rho * rho * r + mixed);
+                r = (rho * rho + r + mixed) / (one + rho * rho * r + mixed);
             }
-            r
+            into_f64(r)
+        })
+    }
+
+    /// `dR/dd_cuticle` by the chain rule through the recurrence, where `d sqrt(R) = dR / (2 sqrt(R))`.
+    pub(crate) fn slope_of_recurrence(&self) -> f64 {
+        mean_of(|is_p| {
+            let (rho, phases) = self.interfaces(is_p);
+            let (mut r, mut gamma) = (rho[0] * rho[0], if rho[0] < 0.0 { PI } else { 0.0 });
+            let (mut dr, mut dgamma) = (0.0, 0.0);
+            for (rho, (phase, dphase)) in rho.iter().skip(1).zip(phases) {
+                let (sin, cos) = (gamma + phase).sin_cos();
+                let dpsi = dgamma + dphase;
+                let (root, droot) = (r.sqrt(), dr / (2.0 * r.sqrt()));
+                let (mixed, dmixed) = (2.0 * rho * root * cos, 2.0 * rho * (droot * cos - root * sin * dpsi));
+                let (narrow, wide) = (1.0 - rho * rho, 1.0 + rho * rho);
+                let (above, below) = (root * narrow * sin, rho * (1.0 + r) + root * wide * cos);
+                let dabove = narrow * (droot * sin + root * cos * dpsi);
+                let dbelow = rho * dr + wide * (droot * cos - root * sin * dpsi);
+                gamma = above.atan2(below);
+                dgamma = (dabove * below - above * dbelow) / (above * above + below * below);
+                let (top, bottom) = (rho * rho + r + mixed, 1.0 + rho * rho * r + mixed);
+                dr = ((dr + dmixed) * bottom - top * (rho * rho * dr + dmixed)) / (bottom * bottom);
+                r = top / bottom;
+            }
+            dr
         })
     }
 
@@ -166,10 +202,14 @@ mod tests {
             cosine,
         };
         let expected = 0.5 * (0.999_999_112_167 + 0.216_660_710_399);
-        for found in [pile.recurrence(false), pile.matrix_product::<f64>(), pile.closed_form()] {
+        for found in [pile.recurrence::<f64>(false), pile.matrix_product::<f64>(), pile.closed_form()] {
             assert!((found - expected).abs() < 1e-11, "{found}");
         }
+        // On a base of glass no R is 0 on the way, and the chain rule holds: against a difference.
+        let on_glass = |d_cuticle: f64| Pile { base: Complex::new(1.5, 0.0), d_cuticle, ..pile };
+        let difference = (on_glass(100.001).closed_form() - on_glass(99.999).closed_form()) / 0.002;
+        assert!((on_glass(100.0).slope_of_recurrence() - difference).abs() < 1e-6 * difference.abs());
         assert!((pile.matrix_product::<f32>() - expected).abs() < 1e-4);
-        assert!((pile.recurrence(true) - expected).abs() > 1e-3, "the printed phases are wrong");
+        assert!((pile.recurrence::<f64>(true) - expected).abs() > 1e-3, "the printed phases are wrong");
     }
 }

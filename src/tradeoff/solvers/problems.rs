@@ -94,12 +94,27 @@ fn settings(scale: Extent) -> FitSettings {
     FitSettings { model, roles, nuisances, ..FitSettings::default() }
 }
 
+/// The design of the little data for a truth (inside units), with an unknown scale and normal noise.
+pub(crate) fn little(truth: &[f64; 5], noise: f64, seed: u64) -> Result<Known, TradeoffError> {
+    let definition: Definition = serde_json::from_str(LITTLE)?;
+    simulated(&definition.design(), settings(Extent::Shared), truth, noise, seed)
+}
+
 /// The whole design for a truth (inside units), with normal noise of a share of the largest intensity; the readings have
 /// the sigma of 1 % if there is none.
 pub(crate) fn drawn(truth: &[f64; 5], noise: f64, seed: u64) -> Result<Known, TradeoffError> {
-    let settings = settings(Extent::None);
+    simulated(&Design::whole(), settings(Extent::None), truth, noise, seed)
+}
+
+fn simulated(
+    design: &Design,
+    settings: FitSettings,
+    truth: &[f64; 5],
+    noise: f64,
+    seed: u64,
+) -> Result<Known, TradeoffError> {
     let model = settings.model.build(Stack::default());
-    let readings = Design::whole().readings(1.0);
+    let readings = design.readings(1.0);
     let of = structure(truth);
     let clean = readings
         .iter()
@@ -143,6 +158,16 @@ struct Definition {
     cases: Vec<Case>,
 }
 
+impl Definition {
+    fn design(&self) -> Design {
+        Design {
+            planes: self.omega_deg.clone(),
+            wavelengths: self.lambda_nm.clone(),
+            views: self.phi_deg.clone(),
+        }
+    }
+}
+
 #[derive(Debug, Deserialize)]
 struct Case {
     sigma: f64,
@@ -152,8 +177,7 @@ struct Case {
 /// 20 truths with 310 readings, 2 % noise and an unknown scale.
 pub(super) fn little_data() -> Result<Vec<Known>, TradeoffError> {
     let definition: Definition = serde_json::from_str(LITTLE)?;
-    let design =
-        Design { planes: definition.omega_deg, wavelengths: definition.lambda_nm, views: definition.phi_deg };
+    let design = definition.design();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); definition.cases.len()];
     for line in LITTLE_DATA.lines().skip(1).filter(|line| !line.starts_with('#')) {
         for (column, cell) in columns.iter_mut().zip(line.split(',')) {

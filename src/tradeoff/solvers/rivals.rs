@@ -77,6 +77,7 @@ impl Rival {
         let unit = Unit(watched);
         let begin = unit.share(start);
         let n = start.len();
+        let steps = |most: u64| if watched.persistent { u64::MAX } else { most };
         let ended = match self {
             Self::NelderMead => {
                 let mut corners = vec![begin; n + 1];
@@ -84,24 +85,24 @@ impl Rival {
                     corner[j] += if corner[j] > 0.5 { -SIMPLEX_EDGE } else { SIMPLEX_EDGE };
                 }
                 let solver = NelderMead::new(corners).with_sd_tolerance(SIMPLEX_END).ok()?;
-                let run = Executor::new(unit, solver).configure(|state| state.max_iters(SIMPLEX_STEPS));
+                let run = Executor::new(unit, solver).configure(|state| state.max_iters(steps(SIMPLEX_STEPS)));
                 run.timer(false).ctrlc(false).run().ok()?.state.take_best_param()?
             }
             Self::ParticleSwarm => {
                 let corners = (DVector::zeros(n), DVector::from_element(n, 1.0));
                 let random = Xoshiro256PlusPlus::seed_from_u64(seed);
                 let solver = ParticleSwarm::new(corners, PARTICLES).with_rng_generator(random);
-                let run = Executor::new(unit, solver).configure(|state| state.max_iters(SWARM_STEPS));
+                let run = Executor::new(unit, solver).configure(|state| state.max_iters(steps(SWARM_STEPS)));
                 run.timer(false).ctrlc(false).run().ok()?.state.take_best_individual()?.position
             }
             Self::Lbfgs => {
                 let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY);
-                let run = Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(GRADIENT_STEPS));
+                let run = Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(steps(GRADIENT_STEPS)));
                 run.timer(false).ctrlc(false).run().ok()?.state.take_best_param()?
             }
             Self::GaussNewton => {
                 let solver = GaussNewton::new().with_tolerance(FALL).ok()?;
-                let run = Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(GRADIENT_STEPS));
+                let run = Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(steps(GRADIENT_STEPS)));
                 run.timer(false).ctrlc(false).run().ok()?.state.take_param()?
             }
             Self::Minpack => {
@@ -170,8 +171,8 @@ impl Operator for Unit<'_, '_> {
     type Output = DVector<f64>;
     fn apply(&self, share: &DVector<f64>) -> Result<DVector<f64>, Error> {
         let residuals = self.0.residuals(&self.place(share)).ok_or_else(over)?;
-        // argmin goes on with values that are none, and never comes back.
-        if residuals.iter().all(|residual| residual.is_finite()) { Ok(residuals) } else { Err(Error::msg("no value")) }
+        // Gauss–Newton goes on with values that are none, and never comes back.
+        if self.0.persistent || residuals.iter().all(|residual| residual.is_finite()) { Ok(residuals) } else { Err(Error::msg("no value")) }
     }
 }
 

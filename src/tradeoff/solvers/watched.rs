@@ -32,6 +32,9 @@ pub(crate) struct Watched<'a> {
     seconds: f64,
     most: usize,
     goal: f64,
+    single: bool,
+    /// Whether a method without an end of its own is let run until the budget ends it.
+    pub(crate) persistent: bool,
     record: RefCell<Record>,
 }
 
@@ -46,7 +49,7 @@ impl<'a> Watched<'a> {
     pub(crate) fn new(problem: &'a Problem<'a>, space: &'a Space, difference: Difference, clock: Clock<'a>) -> Self {
         let record = RefCell::default();
         let (seconds, most, goal) = (f64::INFINITY, usize::MAX, f64::NEG_INFINITY);
-        Self { problem, space, difference, clock, began: clock(), seconds, most, goal, record }
+        Self { problem, space, difference, clock, began: clock(), seconds, most, goal, single: false, persistent: false, record }
     }
 
     pub(crate) fn for_seconds(mut self, seconds: f64) -> Self {
@@ -54,8 +57,15 @@ impl<'a> Watched<'a> {
         self
     }
 
+    /// Without any other limit on a run.
     pub(crate) fn for_evaluations(mut self, most: usize) -> Self {
-        self.most = most;
+        (self.most, self.persistent) = (most, true);
+        self
+    }
+
+    /// With residuals rounded to single precision, as of a model in it.
+    pub(crate) fn in_single_precision(mut self, single: bool) -> Self {
+        self.single = single;
         self
     }
 
@@ -82,7 +92,11 @@ impl<'a> Watched<'a> {
         if self.is_over() {
             return None;
         }
-        let residuals = self.problem.residuals(parameters);
+        let mut residuals = self.problem.residuals(parameters);
+        if self.single {
+            #[allow(clippy::cast_possible_truncation, reason = "that is what is tried")]
+            residuals.apply(|residual| *residual = f64::from(*residual as f32));
+        }
         let mut record = self.record.borrow_mut();
         record.evaluations += 1;
         if residuals.norm_squared() <= self.goal && self.space.bounds.contain(parameters) {

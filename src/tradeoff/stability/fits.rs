@@ -4,7 +4,7 @@ use super::{Map, Row, Verdict, forms};
 use crate::inversion::{Compiled, FitSettings, Parameter, Problem, Search, Space, fit, values};
 use crate::optics::Structure;
 use crate::optimise::{Tolerances, minimise};
-use crate::tradeoff::solvers::problems::{Known, drawn};
+use crate::tradeoff::solvers::problems::{Known, little};
 use crate::tradeoff::solvers::rivals::Rival;
 use crate::tradeoff::solvers::watched::{Difference, Watched};
 use crate::tradeoff::{Settings, TradeoffError};
@@ -17,7 +17,9 @@ const SAME: f64 = 1e-4;
 /// Where the start is, off the truth.
 const START: f64 = 0.05;
 /// Relative steps that are tried.
-const STEPS: [f64; 6] = [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-13];
+const STEPS: [f64; 6] = [1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 1e-15];
+/// Those that are tried with a model in single precision.
+const SINGLE_STEPS: [f64; 3] = [1e-2, 1e-4, 1e-7];
 
 /// One problem and the way into it.
 struct Case {
@@ -25,6 +27,7 @@ struct Case {
     /// Step of the forms that have a fixed one.
     step: f64,
     noise: f64,
+    single: bool,
     start: [f64; 5],
 }
 
@@ -36,25 +39,26 @@ fn cases() -> Vec<Case> {
         std::array::from_fn(|j| truth[j] * (1.0 + share * signs[j]))
     };
     let near = off(START);
-    let mut cases: Vec<Case> = STEPS
-        .into_iter()
-        .map(|step| Case { input: format!("difference step {step:e}"), step, noise: 0.01, start: near })
-        .collect();
-    let usual = 1e-6;
-    for noise in [0.0, 0.1, 0.5] {
-        let input = format!("noise {} %", 100.0 * noise);
-        cases.push(Case { input, step: usual, noise, start: near });
-    }
-    for share in [0.1, 0.2, 0.4] {
-        let input = format!("start {} % off", 100.0 * share);
-        cases.push(Case { input, step: usual, noise: 0.01, start: off(share) });
-    }
+    let of = |input: String| Case { input, step: 1e-6, noise: 0.02, single: false, start: near };
+    let mut cases: Vec<Case> =
+        STEPS.into_iter().map(|step| Case { step, ..of(format!("difference step {step:e}")) }).collect();
+    cases.extend(SINGLE_STEPS.map(|step| {
+        Case { step, single: true, ..of(format!("model in single precision, step {step:e}")) }
+    }));
+    cases.extend([0.0, 0.1, 0.5].map(|noise| Case { noise, ..of(format!("noise {} %", 100.0 * noise)) }));
+    cases.extend([0.1, 0.2, 0.3, 0.4].map(|share| {
+        Case { start: off(share), ..of(format!("start {} % off", 100.0 * share)) }
+    }));
     let swapped = [truth[1] * 1.56, truth[0] / 1.56, truth[2], truth[3], truth[4]];
     let narrow = [near[0], near[1], Parameter::Delta.inside(-9.5), 0.1, near[4]];
     let no_tilt = [truth[0], truth[1], 0.0, truth[3], truth[4]];
-    cases.push(Case { input: "start at the swap alias".to_owned(), step: usual, noise: 0.01, start: swapped });
-    cases.push(Case { input: "start with a narrow lobe beside".to_owned(), step: usual, noise: 0.01, start: narrow });
-    cases.push(Case { input: "start at δ = 0".to_owned(), step: usual, noise: 0.01, start: no_tilt });
+    let corner = [250.0, 200.0, Parameter::Delta.inside(10.0), 1.2, 600.0];
+    cases.extend([
+        Case { start: swapped, ..of("start at the swap alias".to_owned()) },
+        Case { start: narrow, ..of("start with a narrow lobe beside".to_owned()) },
+        Case { start: no_tilt, ..of("start at δ = 0".to_owned()) },
+        Case { start: corner, ..of("start in a corner of the bounds".to_owned()) },
+    ]);
     cases
 }
 
@@ -65,8 +69,8 @@ pub(super) fn map(settings: &Settings) -> Result<Map, TradeoffError> {
         forms: forms(&[
             ("Gauss–Newton, forward, fixed step", false),
             ("Gauss–Newton, central, fixed step", false),
-            ("levenberg-marquardt, forward, fixed step", false),
-            ("levenberg-marquardt, central, fixed step", false),
+            ("MINPACK port, forward, fixed step", false),
+            ("MINPACK port, central, fixed step", false),
             ("ours, local", false),
             ("ours, global", true),
         ]),
@@ -75,7 +79,7 @@ pub(super) fn map(settings: &Settings) -> Result<Map, TradeoffError> {
 }
 
 fn row(case: &Case, seed: u64) -> Result<Row, TradeoffError> {
-    let Known { data, settings, .. } = drawn(&values(&Structure::table1()), case.noise, seed)?;
+    let Known { data, settings, .. } = little(&values(&Structure::table1()), case.noise, seed)?;
     let model = settings.model.build(settings.stack.clone());
     let compiled = Compiled::new(&data, &settings, model.as_ref())?;
     let space = Space::new(&settings.roles)?;
@@ -99,7 +103,9 @@ fn row(case: &Case, seed: u64) -> Result<Row, TradeoffError> {
         (Rival::Minpack, Difference::FixedCentral(case.step)),
         (Rival::Ours, Difference::Kernel),
     ] {
-        let watched = Watched::new(&problem, &space, difference, &|| 0.0).for_evaluations(LIMIT);
+        let watched = Watched::new(&problem, &space, difference, &|| 0.0)
+            .for_evaluations(LIMIT)
+            .in_single_precision(case.single && rival != Rival::Ours);
         let found = rival.descend(&watched, &start, seed);
         cells.push(judge(found.as_ref(), watched.is_spent()));
     }

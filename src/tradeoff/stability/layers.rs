@@ -5,10 +5,15 @@ use crate::geometry::{Geometry, Polarization};
 use crate::optics::multilayer::amplitude::{Component, Layer, reflect_transmit};
 use crate::optics::multilayer::{Period, reflectivities, reflectivity};
 use crate::optics::{Admittance, BlendModel, Material, Media, OpticsError, PaperModel, ReflectivityModel, Stack, Structure};
+use crate::optimise::derivative;
+use crate::tradeoff::complex_step::slope;
 use crate::tradeoff::naive::Pile;
 use crate::units::radians;
-use nalgebra::Complex;
+use nalgebra::{Complex, DVector};
 use std::f64::consts::PI;
+
+/// How far a slope may be from 0, 1/nm: a difference has half the digits.
+const SLOPE: f64 = 1e-8;
 
 /// One input.
 struct Case {
@@ -130,8 +135,9 @@ impl Case {
             Box::new(PaperModel { stack, admittance: Admittance::PerPolarization, ..PaperModel::default() })
         };
         let found = [
-            (Ok(self.pile.recurrence(true)), DOUBLE),
-            (Ok(self.pile.recurrence(false)), DOUBLE),
+            (Ok(self.pile.recurrence::<f64>(true)), DOUBLE),
+            (Ok(self.pile.recurrence::<f64>(false)), DOUBLE),
+            (Ok(self.pile.recurrence::<f32>(false)), SINGLE),
             (Ok(self.pile.matrix_product::<f64>()), DOUBLE),
             (Ok(self.pile.matrix_product::<f32>()), SINGLE),
             (Ok(self.pile.closed_form()), DOUBLE),
@@ -146,14 +152,48 @@ impl Case {
     }
 }
 
+/// The slope of R where R vanishes: 0, as R is nowhere negative.
+pub(super) fn slopes() -> Map {
+    let base = table1();
+    let half_wave = Pile { cuticle: Complex::new(1.5, 0.0), d_cuticle: 156.0, wavelength: 468.0, ..base };
+    let rows = [
+        ("R → 0: one half-wave layer", Pile { layers: 1, ..half_wave }),
+        ("R → 0: nine half-wave layers", half_wave),
+        ("n_cuticle = n_air", Pile { cuticle: base.gap, ..base }),
+        ("d_cuticle = 0, on the bound", Pile { d_cuticle: 0.0, ..base }),
+    ];
+    let row = |(input, pile): (&str, Pile)| {
+        let case = Case { input: "", expected: Expected::Value(0.0), pile, angle: 0.0 };
+        let at = |cuticle: f64| {
+            let period = Period { cuticle, gap: pile.d_gap };
+            reflectivity(&case.media(), period, pile.layers, 0.0).map_or(f64::NAN, |both| both.mean())
+        };
+        let difference = derivative(|d| DVector::from_element(1, at(d)), pile.d_cuticle, 1.0, (0.0, 1e6))[0];
+        let step = slope(pile.cuticle.re, pile.layers, pile.wavelength, pile.d_gap, pile.d_cuticle);
+        let judge = |found| case.expected.judge(Ok(found), SLOPE);
+        let cells = vec![judge(pile.slope_of_recurrence()), judge(step), judge(difference)];
+        Row { input: input.to_owned(), expected: case.expected.words(), cells }
+    };
+    Map {
+        title: "Slope dR/dd_cuticle where R is 0".to_owned(),
+        forms: forms(&[
+            ("chain rule through √R of the recurrence", false),
+            ("complex step through the closed form", true),
+            ("difference of the closed form", true),
+        ]),
+        rows: rows.into_iter().map(row).collect(),
+    }
+}
+
 pub(super) fn map() -> Map {
     Map {
         title: "Model B's stack".to_owned(),
         forms: forms(&[
             ("recurrence as printed, tan", false),
             ("recurrence, atan2", false),
+            ("recurrence, atan2, single", false),
             ("matrix product", false),
-            ("matrix product, single precision", false),
+            ("matrix product, single", false),
             ("sin MK / sin K, real index", false),
             ("closed form", true),
             ("closed form, vector", true),

@@ -83,7 +83,7 @@ pub struct Map {
 
 /// All tables.
 pub(super) fn maps(settings: &Settings) -> Result<Vec<Map>, TradeoffError> {
-    Ok(vec![diffraction::map(), layers::map(), fits::map(settings)?])
+    Ok(vec![diffraction::map(), layers::map(), layers::slopes(), fits::map(settings)?])
 }
 
 /// What is right.
