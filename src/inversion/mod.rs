@@ -32,11 +32,9 @@ mod wording;
 
 pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitExpected, advise};
 pub use atlas::{ChiSquareMap, Relation, chi_square_map};
-pub(crate) use compiled::Compiled;
-pub(crate) use problem::Problem;
-pub(crate) use space::Space;
 pub use choice::{Choice, ChoiceFound, Criterion, FOLDS, Standing, VariantFound, choose};
 pub use combinations::Combination;
+pub(crate) use compiled::Compiled;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
@@ -46,4 +44,6 @@ pub use outcome::{
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
+pub(crate) use problem::Problem;
 pub use settings::{FitSettings, ModelChoice, Parts, Search, SettingsError};
+pub(crate) use space::Space;

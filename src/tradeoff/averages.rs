@@ -127,7 +127,8 @@ pub(super) fn diagrams(settings: &Settings, clock: Clock<'_>) -> Result<Vec<Diag
             .iter()
             .map(|nodes| {
                 let (wavelengths, structure) = (&wavelengths, &structures[0]);
-                Box::new(move || drop(black_box(averaged(over, wavelengths, black_box(structure), nodes)))) as Method<'_>
+                Box::new(move || drop(black_box(averaged(over, wavelengths, black_box(structure), nodes))))
+                    as Method<'_>
             })
             .collect();
         let times = seconds(clock, settings.quick, &mut methods);

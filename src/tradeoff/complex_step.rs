@@ -159,8 +159,7 @@ mod tests {
     #[test]
     fn its_real_part_is_the_model_and_both_ways_agree() {
         let values = [141.0, 62.0, 0.04, 0.5, 300.0];
-        let design =
-            Design { planes: vec![0.3], wavelengths: vec![440.0, 530.0], views: vec![-0.5, 0.0, 0.2, 1.2] };
+        let design = Design { planes: vec![0.3], wavelengths: vec![440.0, 530.0], views: vec![-0.5, 0.0, 0.2, 1.2] };
         let complex = values.map(|value| C::new(value, 0.0));
         for way in [Way::Chebyshev, Way::Product] {
             let mut found = readings(&design, complex, way).into_iter();

@@ -81,7 +81,8 @@ impl Kernel {
                 .collect(),
             Self::ClosedMean => {
                 let model = PaperModel::default();
-                each.map(|wavelength| Ok(model.stack_reflectivity(&at(wavelength), period, case.angle)?.mean())).collect()
+                each.map(|wavelength| Ok(model.stack_reflectivity(&at(wavelength), period, case.angle)?.mean()))
+                    .collect()
             }
             Self::Closed => each
                 .map(|wavelength| Ok(reflectivity(&at(wavelength), period, stack.layers, case.angle)?.mean()))

@@ -64,10 +64,7 @@ impl Pile {
         let mut phases = Vec::new();
         for _ in 0..self.layers {
             admittances.extend([in_gap, in_cuticle]);
-            phases.extend([
-                (path(media[1]) * self.d_gap, 0.0),
-                (path(media[2]) * self.d_cuticle, path(media[2])),
-            ]);
+            phases.extend([(path(media[1]) * self.d_gap, 0.0), (path(media[2]) * self.d_cuticle, path(media[2]))]);
         }
         admittances.push(ambient);
         (admittances.windows(2).map(|pair| (pair[0] - pair[1]) / (pair[0] + pair[1])).collect(), phases)

@@ -52,8 +52,7 @@ impl Subject {
     }
 
     fn colours(&self, seen: &[Geometry]) -> Result<(Vec<[f64; 3]>, Xyz), TradeoffError> {
-        let views: Vec<View> =
-            seen.iter().map(|&geometry| View { structure: self.structure, geometry }).collect();
+        let views: Vec<View> = seen.iter().map(|&geometry| View { structure: self.structure, geometry }).collect();
         let found = colours(&BlendModel::default(), &views, Polarization::Unpolarized, &self.viewing)?;
         let of = |colour: Option<Xyz>| colour.unwrap_or_default().to_array();
         Ok((found.colours.into_iter().map(of).collect(), found.white))
@@ -132,7 +131,12 @@ pub(super) fn diagram(settings: &Settings) -> Result<Diagram, TradeoffError> {
         })
         .collect();
     let (known, white) = subject.colours(&seen)?;
-    let names = ["linear in cos² ω, median", "linear in cos² ω, 95 %", "linear in ω, 10 planes, median", "linear in ω, 10 planes, 95 %"];
+    let names = [
+        "linear in cos² ω, median",
+        "linear in cos² ω, 95 %",
+        "linear in ω, 10 planes, median",
+        "linear in ω, 10 planes, 95 %",
+    ];
     let mut series: Vec<Series> =
         names.into_iter().map(|method| Series { method: method.to_owned(), points: Vec::new() }).collect();
     for &thetas in if settings.quick { &QUICK_NODES[..] } else { &NODES[..] } {

@@ -64,12 +64,7 @@ fn budget(settings: &Settings) -> f64 {
 }
 
 /// Seconds until each method, and the global search at last, has solved a problem.
-fn race(
-    settings: &Settings,
-    clock: Clock<'_>,
-    known: &Known,
-    index: usize,
-) -> Result<Vec<Option<f64>>, TradeoffError> {
+fn race(settings: &Settings, clock: Clock<'_>, known: &Known, index: usize) -> Result<Vec<Option<f64>>, TradeoffError> {
     let model = known.settings.model.build(known.settings.stack.clone());
     let compiled = Compiled::new(&known.data, &known.settings, model.as_ref())?;
     let space = Space::new(&known.settings.roles)?;

@@ -45,11 +45,7 @@ struct Design {
 impl Design {
     /// 2 × 37 × 31 readings.
     fn whole() -> Self {
-        Self {
-            planes: PLANES.to_vec(),
-            wavelengths: linspace(380.0, 740.0, 37),
-            views: linspace(-75.0, 75.0, 31),
-        }
+        Self { planes: PLANES.to_vec(), wavelengths: linspace(380.0, 740.0, 37), views: linspace(-75.0, 75.0, 31) }
     }
 
     fn readings(&self, sigma: f64) -> Vec<Reading> {
@@ -160,11 +156,7 @@ struct Definition {
 
 impl Definition {
     fn design(&self) -> Design {
-        Design {
-            planes: self.omega_deg.clone(),
-            wavelengths: self.lambda_nm.clone(),
-            views: self.phi_deg.clone(),
-        }
+        Design { planes: self.omega_deg.clone(), wavelengths: self.lambda_nm.clone(), views: self.phi_deg.clone() }
     }
 }
 

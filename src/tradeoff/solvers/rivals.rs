@@ -97,12 +97,14 @@ impl Rival {
             }
             Self::Lbfgs => {
                 let solver = LBFGS::new(MoreThuenteLineSearch::new(), MEMORY);
-                let run = Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(steps(GRADIENT_STEPS)));
+                let run =
+                    Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(steps(GRADIENT_STEPS)));
                 run.timer(false).ctrlc(false).run().ok()?.state.take_best_param()?
             }
             Self::GaussNewton => {
                 let solver = GaussNewton::new().with_tolerance(FALL).ok()?;
-                let run = Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(steps(GRADIENT_STEPS)));
+                let run =
+                    Executor::new(unit, solver).configure(|state| state.param(begin).max_iters(steps(GRADIENT_STEPS)));
                 run.timer(false).ctrlc(false).run().ok()?.state.take_param()?
             }
             Self::Minpack => {
@@ -172,7 +174,11 @@ impl Operator for Unit<'_, '_> {
     fn apply(&self, share: &DVector<f64>) -> Result<DVector<f64>, Error> {
         let residuals = self.0.residuals(&self.place(share)).ok_or_else(over)?;
         // Gauss–Newton goes on with values that are none, and never comes back.
-        if self.0.persistent || residuals.iter().all(|residual| residual.is_finite()) { Ok(residuals) } else { Err(Error::msg("no value")) }
+        if self.0.persistent || residuals.iter().all(|residual| residual.is_finite()) {
+            Ok(residuals)
+        } else {
+            Err(Error::msg("no value"))
+        }
     }
 }
 

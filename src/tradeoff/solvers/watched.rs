@@ -49,7 +49,19 @@ impl<'a> Watched<'a> {
     pub(crate) fn new(problem: &'a Problem<'a>, space: &'a Space, difference: Difference, clock: Clock<'a>) -> Self {
         let record = RefCell::default();
         let (seconds, most, goal) = (f64::INFINITY, usize::MAX, f64::NEG_INFINITY);
-        Self { problem, space, difference, clock, began: clock(), seconds, most, goal, single: false, persistent: false, record }
+        Self {
+            problem,
+            space,
+            difference,
+            clock,
+            began: clock(),
+            seconds,
+            most,
+            goal,
+            single: false,
+            persistent: false,
+            record,
+        }
     }
 
     pub(crate) fn for_seconds(mut self, seconds: f64) -> Self {

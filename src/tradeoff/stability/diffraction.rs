@@ -52,16 +52,40 @@ fn cases() -> Vec<Case> {
     let near = 470.002_f64;
     let mean = (0..1000).map(|layer| (f64::from(999 - 2 * layer) * TAU / near * 235.0).cos()).sum::<f64>() / 1000.0;
     vec![
-        of("φ = −θ: u = 0", one, 470.0 * radians(23.0).cos(), across(radians(23.0), -radians(23.0)), flat(), 9, Part::Slit),
+        of(
+            "φ = −θ: u = 0",
+            one,
+            470.0 * radians(23.0).cos(),
+            across(radians(23.0), -radians(23.0)),
+            flat(),
+            9,
+            Part::Slit,
+        ),
         of("a = 0", Expected::ValueOrRefusal(1.0), 470.0, normal, no_width, 9, Part::Slit),
         of("d = 0", one, 500.0, normal, thin, 9, Part::Array),
-        of("grazing in and out: v = 0", Expected::ValueOrRefusal(0.0), 500.0, across(FRAC_PI_2, FRAC_PI_2), flat(), 9, Part::Array),
+        of(
+            "grazing in and out: v = 0",
+            Expected::ValueOrRefusal(0.0),
+            500.0,
+            across(FRAC_PI_2, FRAC_PI_2),
+            flat(),
+            9,
+            Part::Array,
+        ),
         of("λ = 2d, M = 9", one, 470.0, normal, flat(), 9, Part::Array),
         of("λ = 2d/3, M = 9", one, 470.0 / 3.0, normal, flat(), 9, Part::Array),
         of("λ = 2d, M = 1000", one, 470.0, normal, flat(), 1000, Part::Array),
         of("λ = 2d + 0.002 nm, M = 1000", Expected::Value(mean * mean), near, normal, flat(), 1000, Part::Array),
         of("φ_α = 0", Expected::Refusal, 583.0, along, Structure { phi_alpha: 0.0, ..flat() }, 9, Part::Lobe),
-        of("φ_α in degrees: 28.6", Expected::Refusal, 583.0, along, Structure { phi_alpha: 28.6, ..flat() }, 9, Part::Lobe),
+        of(
+            "φ_α in degrees: 28.6",
+            Expected::Refusal,
+            583.0,
+            along,
+            Structure { phi_alpha: 28.6, ..flat() },
+            9,
+            Part::Lobe,
+        ),
         of("δ in degrees: 2.5", Expected::Refusal, 583.0, along, Structure { delta: 2.5, ..flat() }, 9, Part::Lobe),
     ]
 }
