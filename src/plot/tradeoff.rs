@@ -9,8 +9,10 @@ use crate::tradeoff::{Diagram, Map, Series, Sheet, Study, Verdict};
 
 /// What is smaller is drawn here: an error of 0 has no place on a scale of powers.
 const SMALLEST: f64 = 1e-16;
-/// Points of a series that are named; of more, the first and the last.
-const NAMED: usize = 1;
+/// Spread of a series in powers of ten above which its ends are named although they cost the same.
+const WIDE: f64 = 2.0;
+/// Colours that stand out on white; from here on lines are dashed and the colours come again.
+const COLOURS: usize = 7;
 const PLOT_SIZE: (f64, f64) = (400.0, 300.0);
 
 /// The diagrams of a study; `about` names machine and version.
@@ -41,8 +43,9 @@ pub fn heading(study: Study) -> &'static str {
     match study {
         Study::Stability => "Stability: what each form makes of hard input",
         Study::Forward => "Forward models: error against time, lower and further left is better",
+        Study::Average => "Averages over what varies: error against time by the number of nodes",
         Study::Derivative => "Derivatives: error against time, lower and further left is better",
-        Study::Solver => "Solvers: share of known problems solved within a time, higher and further left is better",
+        Study::Solver => "Solvers: share of known problems solved within a time",
         Study::Wavelength => "Wavelengths: error of the colour against their number",
         Study::Table => "Table of colours: error between its nodes against its size",
     }
@@ -53,28 +56,26 @@ fn panel(diagram: &Diagram) -> Panel {
         |series: &Series| series.points.iter().map(|point| point.x.max(SMALLEST).log10()).collect::<Vec<f64>>();
     let up = |y: f64| if diagram.y_in_powers { y.max(SMALLEST).log10() } else { y };
     let upwards = |series: &Series| series.points.iter().map(|point| up(point.y)).collect::<Vec<f64>>();
-    let of = |(colour, series): (usize, &Series)| {
-        let (x, y) = (across(series), upwards(series));
+    let of = |(index, series): (usize, &Series)| {
+        let (x, y, name, colour) = (across(series), upwards(series), series.method.clone(), index % COLOURS);
+        let dashed = index >= COLOURS;
         let line =
-            LineSeries { name: series.method.clone(), x: x.clone(), y: y.clone(), colour, ..LineSeries::default() };
-        (PointSeries { name: series.method.clone(), x, y, colour, sigma: None }, line)
+            LineSeries { name: name.clone(), x: x.clone(), y: y.clone(), colour, dashed, ..LineSeries::default() };
+        (PointSeries { name, x, y, colour, sigma: None }, line)
     };
     let (points, lines) = diagram.series.iter().enumerate().map(of).unzip();
-    let label =
-        |(x, (y, setting)): (&f64, (&f64, &str))| Label { x: *x, y: *y, text: setting.to_owned(), ..Label::default() };
+    let single = diagram.series.iter().all(|series| series.points.len() == 1);
     let mut labels = Vec::new();
     for series in diagram.series.iter().filter(|_| diagram.y_in_powers) {
-        let (x, y) = (across(series), upwards(series));
-        let count = x.len();
-        let named = |place: usize| count <= NAMED || place == 0 || place + 1 == count;
-        let settings = series.points.iter().map(|point| point.setting.as_str());
-        let texts = x.iter().zip(y.iter().zip(settings)).enumerate().filter(|(place, _)| named(*place));
-        labels.extend(texts.map(|(_, text)| label(text)));
-    }
-    if diagram.series.iter().all(|series| series.points.len() <= NAMED) {
-        // One point each: the method names it better than the setting, which all share.
-        for (label, series) in labels.iter_mut().zip(&diagram.series) {
-            label.text.clone_from(&series.method);
+        let places: Vec<(f64, f64)> = across(series).into_iter().zip(upwards(series)).collect();
+        let (Some(first), Some(last)) = (places.first(), places.last()) else { continue };
+        let apart = (first.0 - last.0).abs() > 0.0 || (first.1 - last.1).abs() > WIDE;
+        for (place, (point, &(x, y))) in series.points.iter().zip(&places).enumerate() {
+            // One point each: the method names it better than the setting, which all share.
+            let text = if single { &series.method } else { &point.setting };
+            if single || (apart && (place == 0 || place + 1 == places.len())) {
+                labels.push(Label { x, y, text: text.clone(), ..Label::default() });
+            }
         }
     }
     Panel {
@@ -92,11 +93,13 @@ fn panel(diagram: &Diagram) -> Panel {
 }
 
 const MARGIN: f64 = 18.0;
-/// Width of the inputs' names, and of a column.
-const INPUT: f64 = 300.0;
-const COLUMN: f64 = 86.0;
-const ROW: f64 = 23.0;
-const EM: f64 = 13.0;
+/// Width of the inputs' names.
+const INPUT: f64 = 285.0;
+/// Width of a column: the first, unless the columns of a map together would be wider than the second.
+const COLUMN: f64 = 104.0;
+const COLUMNS: f64 = 880.0;
+const ROW: f64 = 24.0;
+const EM: f64 = 14.0;
 const HEAD_EM: f64 = 12.0;
 const LINE: f64 = 1.25;
 const TITLE_EM: f64 = 19.0;
@@ -125,9 +128,7 @@ fn letters(em: f64, bold: bool, colour: RGBColor, anchor: Anchor) -> Lettering {
 /// # Errors
 /// [`PlotError`] if the drawing library fails, or the maps are too many for one picture.
 pub fn stability_picture(maps: &[Map], about: &str) -> Result<Picture, PlotError> {
-    let columns = maps.iter().map(|map| map.forms.len()).max().unwrap_or(0);
-    #[allow(clippy::cast_precision_loss, reason = "counts of cells are small")]
-    let width = 2.0 * MARGIN + INPUT + COLUMN * columns as f64;
+    let width = 2.0 * MARGIN + INPUT + COLUMNS;
     let about = font::wrap(about, EM, false, width - 2.0 * MARGIN)?;
     let heads = maps.iter().map(heads).collect::<Result<Vec<_>, _>>()?;
     #[allow(clippy::cast_precision_loss, reason = "counts of cells are small")]
@@ -152,9 +153,16 @@ pub fn stability_picture(maps: &[Map], about: &str) -> Result<Picture, PlotError
     })
 }
 
+/// Width of a column.
+fn column(map: &Map) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "counts of cells are small")]
+    let share = COLUMNS / map.forms.len().max(1) as f64;
+    share.min(COLUMN)
+}
+
 /// The names of the forms, broken into lines.
 fn heads(map: &Map) -> Result<Vec<Vec<String>>, PlotError> {
-    map.forms.iter().map(|form| font::wrap(&form.name, HEAD_EM, form.guarded, COLUMN - 8.0)).collect()
+    map.forms.iter().map(|form| font::wrap(&form.name, HEAD_EM, form.guarded, column(map) - 6.0)).collect()
 }
 
 fn tallest(heads: &[Vec<String>]) -> usize {
@@ -166,15 +174,15 @@ fn paint(canvas: &mut Canvas, map: &Map, heads: &[Vec<String>], top: f64) {
     canvas.text((MARGIN, y), &map.title, letters(MAP_EM, true, INK, Anchor::Start));
     y += HEAD_EM * (LINE - 1.0);
     #[allow(clippy::cast_precision_loss, reason = "counts of cells are small")]
-    let left = |column: usize| MARGIN + INPUT + COLUMN * column as f64;
+    let left = |index: usize| MARGIN + INPUT + column(map) * index as f64;
     #[allow(clippy::cast_precision_loss, reason = "counts of lines are small")]
     let below = y + HEAD_EM * LINE * tallest(heads) as f64;
-    for (column, (lines, form)) in heads.iter().zip(&map.forms).enumerate() {
+    for (index, (lines, form)) in heads.iter().zip(&map.forms).enumerate() {
         for (line, text) in lines.iter().rev().enumerate() {
             #[allow(clippy::cast_precision_loss, reason = "counts of lines are small")]
             let baseline = below - HEAD_EM * LINE * line as f64;
             let style = letters(HEAD_EM, form.guarded, INK, Anchor::Middle);
-            canvas.text((left(column) + COLUMN / 2.0, baseline), text, style);
+            canvas.text((f64::midpoint(left(index), left(index + 1)), baseline), text, style);
         }
     }
     let first = below + 8.0;

@@ -18,6 +18,7 @@ pub fn conclusions(sheet: &Sheet) -> Vec<String> {
     match sheet.study {
         Study::Stability => sheet.maps.iter().map(of_map).collect(),
         Study::Forward => forward(sheet),
+        Study::Average => sheet.diagrams.get(1).map_or(Vec::new(), averages),
         Study::Derivative => sheet.diagrams.iter().flat_map(derivative).collect(),
         Study::Solver => sheet.diagrams.iter().flat_map(solver).chain([JUDGE.to_owned()]).collect(),
         Study::Wavelength => sheet.diagrams.iter().map(wavelength).collect(),
@@ -73,7 +74,7 @@ fn enough(points: &[Point], tolerance: f64) -> Option<&Point> {
 }
 
 fn forward(sheet: &Sheet) -> Vec<String> {
-    let [by_r, by_colour, _, averages] = sheet.diagrams.as_slice() else { return Vec::new() };
+    let [by_r, by_colour] = sheet.diagrams.as_slice() else { return Vec::new() };
     let exact: Vec<&Series> = by_r.series.iter().filter(|series| worst(&series.points) < ROUNDING).collect();
     let cost = |series: &Series| series.points.first().map_or(f64::NAN, |point| point.x);
     let mut found = Vec::new();
@@ -102,14 +103,20 @@ fn forward(sheet: &Sheet) -> Vec<String> {
             off.join(", "),
         ));
     }
+    found
+}
+
+fn averages(by_colour: &Diagram) -> Vec<String> {
+    let mut found = Vec::new();
     for what in ["thickness sd 5 nm", "cone NA 0.5"] {
         let (gauss, plain) = (format!("{what}, Gauss"), format!("{what}, equal steps"));
-        let left_out = series(averages, &gauss).first().map_or(f64::NAN, |point| point.y);
+        let left_out = series(by_colour, &gauss).first().map_or(f64::NAN, |point| point.y);
         let need = |name: &str| {
-            enough(series(averages, name), UNSEEN).map_or("more than 9 nodes".to_owned(), |point| point.setting.clone())
+            enough(series(by_colour, name), UNSEEN)
+                .map_or("more than 9 nodes".to_owned(), |point| point.setting.clone())
         };
         found.push(format!(
-            "Leaving out the {what} costs ΔE₀₀ {}; for {UNSEEN} take {} by Gauss's rule, or {} in equal steps.",
+            "Left out, a {what} costs ΔE₀₀ {}; for {UNSEEN} take {} by Gauss's rule, or {} in equal steps.",
             short(left_out),
             need(&gauss),
             need(&plain),

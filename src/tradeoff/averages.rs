@@ -162,8 +162,8 @@ pub(super) fn diagrams(settings: &Settings, clock: Clock<'_>) -> Result<Vec<Diag
         series,
     };
     Ok(vec![
-        diagram("averages, 1 to 9 nodes: reflectivity", "largest error in R", by_r),
-        diagram("averages, 1 to 9 nodes: colour", "largest ΔE₀₀", by_colour),
+        diagram("reflectivity, 1, 2, 3, 5 and 9 nodes", "largest error in R", by_r),
+        diagram("colour, 1, 2, 3, 5 and 9 nodes", "largest ΔE₀₀", by_colour),
     ])
 }
 

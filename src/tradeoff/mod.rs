@@ -4,7 +4,7 @@
 //! that the caller hands in (the library has none), the methods in turn so that noise of the machine hits all alike. All work
 //! is done by one thread.
 //!
-//! Six studies: [`Study`]. Each gives diagrams of points ([`Diagram`]), the stability map tables of words ([`Map`]).
+//! Seven studies: [`Study`]. Each gives diagrams of points ([`Diagram`]), the stability map tables of words ([`Map`]).
 
 mod averages;
 mod colours;
@@ -36,8 +36,10 @@ pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
 pub enum Study {
     /// Where each form of a formula, and each solver, fails.
     Stability,
-    /// Forward models and their kernels, and averages over them.
+    /// Forward models and their kernels.
     Forward,
+    /// Averages over layer thickness and over a cone of incidence.
+    Average,
     /// Derivatives of the model by its five parameters.
     Derivative,
     /// Solvers, by the share of known problems that they solve.
@@ -50,8 +52,8 @@ pub enum Study {
 
 impl Study {
     /// All, in the order in which they are done.
-    pub const ALL: [Self; 6] =
-        [Self::Stability, Self::Forward, Self::Derivative, Self::Solver, Self::Wavelength, Self::Table];
+    pub const ALL: [Self; 7] =
+        [Self::Stability, Self::Forward, Self::Average, Self::Derivative, Self::Solver, Self::Wavelength, Self::Table];
 
     /// The word for the command line, and the name of the study's files.
     #[must_use]
@@ -59,6 +61,7 @@ impl Study {
         match self {
             Self::Stability => "stability",
             Self::Forward => "forward",
+            Self::Average => "average",
             Self::Derivative => "derivative",
             Self::Solver => "solver",
             Self::Wavelength => "wavelength",
@@ -209,11 +212,8 @@ pub fn measure(
         progress(study.name());
         let (diagrams, maps) = match study {
             Study::Stability => (Vec::new(), stability::maps(settings)?),
-            Study::Forward => {
-                let mut diagrams = forward::diagrams(settings, clock)?;
-                diagrams.extend(averages::diagrams(settings, clock)?);
-                (diagrams, Vec::new())
-            }
+            Study::Forward => (forward::diagrams(settings, clock)?, Vec::new()),
+            Study::Average => (averages::diagrams(settings, clock)?, Vec::new()),
             Study::Derivative => (vec![derivatives::diagram(settings, clock)?], Vec::new()),
             Study::Solver => (solvers::diagrams(settings, clock, progress)?, Vec::new()),
             Study::Wavelength => (vec![wavelengths::diagram(settings)?], Vec::new()),

@@ -12,7 +12,7 @@ pub(crate) struct TradeoffArgs {
     /// Fewer repeats, problems and structures: seconds, and rougher times.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Only these: `stability`, `forward`, `derivative`, `solver`, `wavelength`, `table` [default: all].
+    /// Only these: `stability`, `forward`, `average`, `derivative`, `solver`, `wavelength`, `table` [default: all].
     #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = study)]
     pub(crate) only: Vec<Study>,
     /// Seed of the random structures, starts and noise.
