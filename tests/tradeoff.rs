@@ -50,6 +50,7 @@ fn the_stability_map_has_the_known_failures_and_none_in_the_library() {
     assert_eq!(cell(stack, "θ − δ = 100°", "matrix product"), Verdict::Wrong);
     assert_eq!(cell(stack, "d_air = −135", "matrix product"), Verdict::Wrong);
     assert_eq!(cell(stack, "λ in µm", "matrix product"), Verdict::Wrong);
+    assert_eq!(cell(stack, "R → 0: antireflection", "recurrence, atan2, single"), Verdict::NotANumber);
     assert_eq!(cell(stack, "from glass", "recurrence, atan2"), Verdict::NotANumber);
     assert_eq!(cell(stack, "M = 3000", "matrix product"), Verdict::NotANumber);
     assert_eq!(cell(stack, "absorbing: k", "sin MK / sin K, real index"), Verdict::Wrong);
