@@ -58,6 +58,19 @@ fn number(value: &Value) -> Result<f64> {
     value.as_f64().ok_or_else(|| "not a number".into())
 }
 
+/// The median time of several runs after the first, which pays for cold memory.
+fn median_seconds(mut work: impl FnMut() -> Result<()>) -> Result<f64> {
+    work()?;
+    let mut times = Vec::new();
+    for _ in 0..25 {
+        let clock = Instant::now();
+        work()?;
+        times.push(clock.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(times[times.len() / 2])
+}
+
 /// Columns of a CSV file with one heading line.
 fn columns(path: &Path) -> Result<Vec<Vec<f64>>> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path)?;
@@ -142,16 +155,17 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
         layers: serde_json::from_value(workload["periods"].clone())?,
     };
     let period = Period { cuticle: n("d_cuticle_nm")?, gap: n("d_air_nm")? };
-    let clock = Instant::now();
     let media = stack.media(500.0)?;
     let mut values = vec![0.0; wavelengths.len() * thetas.len()];
-    for (column, &theta) in thetas.iter().enumerate() {
-        let spectrum = reflectivities(&media, &wavelengths, period, stack.layers, radians(theta))?;
-        for (row, both) in spectrum.into_iter().enumerate() {
-            values[row * thetas.len() + column] = both.mean();
+    let seconds = median_seconds(|| {
+        for (column, &theta) in thetas.iter().enumerate() {
+            let spectrum = reflectivities(&media, &wavelengths, period, stack.layers, radians(theta))?;
+            for (row, both) in spectrum.into_iter().enumerate() {
+                values[row * thetas.len() + column] = both.mean();
+            }
         }
-    }
-    let seconds = clock.elapsed().as_secs_f64();
+        Ok(())
+    })?;
     if let Ok(path) = std::env::var("MORPHO_OUT") {
         std::fs::write(path, values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
     }
@@ -162,16 +176,12 @@ pub(crate) fn one_fit(workload: &Value, folder: &Path, variant: &str) -> Result<
     let table = columns(&folder.join("w2_data.csv"))?;
     let data = dataset(workload, &table[4], number(&workload["sigma"])?)?;
     let settings = start_at(&settings(workload, Extent::None)?, &numbers(&workload["starts"][variant])?);
-    // The median of several runs after the first: a first run pays for cold memory.
     let mut found = fit(&data, &settings, &|_| {})?.outcome;
-    let mut times = Vec::new();
-    for _ in 0..25 {
-        let clock = Instant::now();
+    let seconds = median_seconds(|| {
         found = fit(&data, &settings, &|_| {})?.outcome;
-        times.push(clock.elapsed().as_secs_f64());
-    }
-    times.sort_by(f64::total_cmp);
-    let (seconds, x, chi2) = (times[times.len() / 2], values(&found), found.chi2);
+        Ok(())
+    })?;
+    let (x, chi2) = (values(&found), found.chi2);
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "x": x, "chi2": chi2, "nev": found.evaluations }))
 }
 
@@ -285,16 +295,11 @@ pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
     }
     let integration = Integration::new(&grid, Observer::Cie1931, &Illuminant::D65)?;
     let transform = RgbTransform::new(RgbSpace::Srgb);
-    // The median of several runs after the first: a first run pays for cold memory.
     let mut found = integration.encoded_of_many(&reflectances, &transform)?;
-    let mut times = Vec::new();
-    for _ in 0..25 {
-        let clock = Instant::now();
+    let seconds = median_seconds(|| {
         found = integration.encoded_of_many(&reflectances, &transform)?;
-        times.push(clock.elapsed().as_secs_f64());
-    }
-    times.sort_by(f64::total_cmp);
-    let seconds = times[times.len() / 2];
+        Ok(())
+    })?;
     if let Ok(path) = std::env::var("MORPHO_OUT") {
         std::fs::write(path, found.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
     }

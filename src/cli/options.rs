@@ -132,13 +132,14 @@ fn threads(args: &NuisanceArgs) -> Result<()> {
 }
 
 fn settings(args: &ProblemArgs) -> Result<FitSettings> {
-    let NuisanceArgs { scale, background, weight, loss, local, level, seed, .. } = args.nuisances;
+    let NuisanceArgs { scale, background, weight, loss, local, derivative, level, seed, .. } = args.nuisances;
     let mut settings = FitSettings {
         model: model(&args.model)?,
         stack: stack(&args.model)?,
         nuisances: Nuisances { scale: scale.value(), weight, background: background.value() },
         loss: loss.value(),
         search: if local { Search::Local } else { Search::Global },
+        derivative: derivative.value(),
         level,
         seed,
         required: args.parameters.require.clone(),

@@ -20,6 +20,7 @@ mod problem;
 mod prospect;
 mod quantity;
 mod residuals;
+mod screening;
 mod search;
 mod settings;
 mod solution;
@@ -45,5 +46,5 @@ pub use outcome::{
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
 pub(crate) use problem::Problem;
-pub use settings::{FitSettings, ModelChoice, Parts, Search, SettingsError};
+pub use settings::{Derivative, FitSettings, ModelChoice, Parts, Search, SettingsError};
 pub(crate) use space::Space;

@@ -192,24 +192,57 @@ impl LinearPart {
 
     /// Sums over all readings; `extra` are the square roots of further weights, empty for none.
     pub(crate) fn normal_equations(&self, plan: &Plan<'_>, terms: TermsView<'_>, extra: &[f64]) -> NormalEquations {
-        let q = self.columns.len();
-        let mut sums = NormalEquations { gram: DMatrix::zeros(q, q), right: DVector::zeros(q), square: 0.0 };
+        let mut equations = self.no_equations();
+        // Runs of one curve are summed up in registers.
+        let mut sums = Sums::default();
+        let mut curve = plan.readings.first().map_or(0, |reading| reading.curve);
         for (row, reading) in plan.readings.iter().enumerate() {
+            if reading.curve != curve {
+                self.add(&mut equations, curve, &std::mem::take(&mut sums));
+                curve = reading.curve;
+            }
             let weight = reading.weight * extra.get(row).copied().unwrap_or(1.0);
-            let square = weight * weight;
-            let (known, entries, count) = self.split(reading.curve, plan.parts(reading, terms));
-            let target = reading.intensity - known;
-            sums.square += square * target * target;
-            for (at, &(i, value)) in entries[..count].iter().enumerate() {
-                sums.right[i] += square * value * target;
-                for &(j, other) in &entries[..=at] {
-                    // lower triangle, whichever way round the columns come
-                    sums.gram[(i.max(j), i.min(j))] += square * value * other;
+            sums.add(weight * weight, plan.parts(reading, terms), reading.intensity);
+        }
+        if !plan.is_empty() {
+            self.add(&mut equations, curve, &sums);
+        }
+        equations.gram.fill_upper_triangle_with_lower_triangle();
+        equations
+    }
+
+    /// Normal equations of no readings.
+    pub(crate) fn no_equations(&self) -> NormalEquations {
+        let q = self.columns.len();
+        NormalEquations { gram: DMatrix::zeros(q, q), right: DVector::zeros(q), square: 0.0 }
+    }
+
+    /// Adds to the lower triangle what the readings of one curve have summed up to.
+    pub(crate) fn add(&self, equations: &mut NormalEquations, curve: usize, sums: &Sums) {
+        let product = |part: usize, other: usize| sums.products[part.max(other)][part.min(other)];
+        let (a, b, background) = self.targets[curve];
+        let targets = [a, b, background.map_or(Target::Known, Target::Column)];
+        // A reading is A, B and 1 times these; what is known is taken from the intensity.
+        let factors = [self.weight, 1.0, 1.0];
+        let known = |part: usize| if targets[part] == Target::Known && part < 2 { factors[part] } else { 0.0 };
+        let left = |part: usize| {
+            sums.with_intensity[part] - (0..2).map(|other| known(other) * product(part, other)).sum::<f64>()
+        };
+        equations.square += sums.square;
+        for part in 0..2 {
+            equations.square -= known(part) * (sums.with_intensity[part] + left(part));
+        }
+        for (part, target) in targets.iter().enumerate() {
+            let Target::Column(i) = *target else { continue };
+            equations.right[i] += factors[part] * left(part);
+            for (other, target) in targets.iter().enumerate() {
+                if let Target::Column(j) = *target
+                    && j <= i
+                {
+                    equations.gram[(i, j)] += factors[part] * factors[other] * product(part, other);
                 }
             }
         }
-        sums.gram.fill_upper_triangle_with_lower_triangle();
-        sums
     }
 
     /// The model's value of a reading for `coefficients`.
@@ -259,10 +292,61 @@ impl LinearPart {
     }
 }
 
+/// Weighted sums over readings of the products of A, B, 1 and the intensity.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sums {
+    /// Of A, B and 1 with those before them and themselves: the lower triangle.
+    pub(crate) products: [[f64; 3]; 3],
+    pub(crate) with_intensity: [f64; 3],
+    pub(crate) square: f64,
+}
+
+impl Sums {
+    #[inline]
+    pub(crate) fn add(&mut self, weight: f64, (a, b): (f64, f64), intensity: f64) {
+        let [wa, wb, wy] = [weight * a, weight * b, weight * intensity];
+        let [by_a, by_b, by_one] = &mut self.products;
+        by_a[0] += wa * a;
+        by_b[0] += wb * a;
+        by_b[1] += wb * b;
+        by_one[0] += wa;
+        by_one[1] += wb;
+        by_one[2] += weight;
+        self.with_intensity[0] += wa * intensity;
+        self.with_intensity[1] += wb * intensity;
+        self.with_intensity[2] += wy;
+        self.square += wy * intensity;
+    }
+}
+
 impl NormalEquations {
     /// The best non-negative coefficients.
     pub(crate) fn solve(&self) -> DVector<f64> {
         nonnegative::solve(&self.gram, &self.right)
+    }
+
+    /// Back to no readings.
+    pub(crate) fn clear(&mut self) {
+        self.gram.fill(0.0);
+        self.right.fill(0.0);
+        self.square = 0.0;
+    }
+
+    /// The sum of squares at the best non-negative coefficients, from the lower triangle.
+    pub(crate) fn best_sum_of_squares(&mut self) -> f64 {
+        let best = match self.right.len() {
+            0 => self.square,
+            1 => {
+                // One coefficient: the projection, if it is above 0.
+                let (gram, right) = (self.gram[(0, 0)], self.right[0].max(0.0));
+                if gram > 0.0 { self.square - right * right / gram } else { self.square }
+            }
+            _ => {
+                self.gram.fill_upper_triangle_with_lower_triangle();
+                return self.sum_of_squares(&self.solve());
+            }
+        };
+        if best.is_finite() { best.max(0.0) } else { f64::INFINITY }
     }
 
     /// Factors of the normal matrix; `None` if its columns depend on each other, or one is 0 or not finite.

@@ -13,10 +13,12 @@ use crate::dataset::Dataset;
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::settings::Parts;
 use crate::optics::lamella::{self, LamellaNode};
-use crate::optics::multilayer::{Period, SAndP};
+use crate::optics::multilayer::{Period, SAndP, StackSlopes};
 use crate::optics::{Media, OpticsError, ReflectivityModel, lobe};
-use rustc_hash::{FxBuildHasher, FxHashMap};
+use nalgebra::DVector;
+use rustc_hash::FxHashMap;
 use std::f64::consts::TAU;
+use std::hash::Hash;
 
 /// Readings that a thinned plan keeps of each curve, if it has them.
 const LEAST_OF_A_CURVE: usize = 16;
@@ -58,6 +60,34 @@ type RunKey = [u64; 8];
 fn run_key(theta: f64, media: &Media) -> RunKey {
     let Media { ambient, cuticle, gap, base, .. } = *media;
     [theta, ambient, cuticle.re, cuticle.im, gap.re, gap.im, base.re, base.im].map(f64::to_bits)
+}
+
+/// Numbers of keys in the order they are met.
+#[derive(Debug)]
+struct Numbers<K> {
+    known: FxHashMap<K, usize>,
+    last: Option<(K, usize)>,
+}
+
+impl<K> Default for Numbers<K> {
+    fn default() -> Self {
+        Self { known: FxHashMap::default(), last: None }
+    }
+}
+
+impl<K: Copy + Eq + Hash> Numbers<K> {
+    /// The number of `key`; neighbours in a data set often have the same.
+    fn of(&mut self, key: K) -> usize {
+        if let Some((last, number)) = self.last
+            && last == key
+        {
+            return number;
+        }
+        let next = self.known.len();
+        let number = *self.known.entry(key).or_insert(next);
+        self.last = Some((key, number));
+        number
+    }
 }
 
 /// A data set compiled for one model.
@@ -169,11 +199,21 @@ impl<'a> Plan<'a> {
         };
         let mut stack_index = FxHashMap::default();
         let mut run_index: FxHashMap<RunKey, usize> = FxHashMap::default();
-        let mut lamella_index = FxHashMap::with_capacity_and_hasher(rows.len(), FxBuildHasher);
-        let mut lobe_index = FxHashMap::default();
+        let (mut directions, mut wavelengths, mut planes) =
+            (Numbers::default(), Numbers::default(), Numbers::default());
+        // By plane of incidence: its shares of both models.
+        let mut shares: Vec<(f64, f64)> = Vec::new();
+        // By direction: its angles as Model A sees them, its lamella nodes by wavelength, and its lobe node.
+        let mut nodes: Vec<LamellaNode> = Vec::new();
+        let mut lamellae: Vec<Vec<Option<usize>>> = Vec::new();
+        let mut lobes: Vec<Option<usize>> = Vec::new();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
-            let (share_a, share_b) = parts.shares(reading.geometry.plane_shares());
+            let plane = planes.of(reading.geometry.omega.to_bits());
+            if plane == shares.len() {
+                shares.push(parts.shares(reading.geometry.plane_shares()));
+            }
+            let (share_a, share_b) = shares[plane];
             let wavelength = reading.wavelength;
             let mut planned = PlannedReading {
                 lamella: 0,
@@ -185,12 +225,23 @@ impl<'a> Plan<'a> {
                 weight: reading.sigma.map_or(1.0, f64::recip),
                 curve: reading.curve,
             };
+            let direction = directions.of((theta.to_bits(), phi.to_bits()));
+            if direction == nodes.len() {
+                nodes.push(LamellaNode::new(TAU, theta, phi));
+                lamellae.push(Vec::new());
+                lobes.push(None);
+            }
             if share_a > 0.0 {
-                let key = (wavelength.to_bits(), theta.to_bits(), phi.to_bits());
-                planned.lamella = *lamella_index.entry(key).or_insert_with(|| {
-                    let node = LamellaNode::new(wavelength, theta, phi);
-                    plan.half_kv.push(node.half_kv);
-                    plan.half_ku.push(node.half_ku);
+                let along = wavelengths.of(wavelength.to_bits());
+                let row = &mut lamellae[direction];
+                if row.len() <= along {
+                    row.resize(along + 1, None);
+                }
+                planned.lamella = *row[along].get_or_insert_with(|| {
+                    // Phases go as the wavenumber: the angles of a direction are taken once.
+                    let (wavenumber, node) = (TAU / wavelength, nodes[direction]);
+                    plan.half_kv.push(node.half_kv * wavenumber);
+                    plan.half_ku.push(node.half_ku * wavenumber);
                     plan.obliquity.push(node.obliquity);
                     plan.half_kv.len() - 1
                 });
@@ -213,7 +264,7 @@ impl<'a> Plan<'a> {
                         node
                     }
                 };
-                planned.lobe = *lobe_index.entry((theta.to_bits(), phi.to_bits())).or_insert_with(|| {
+                planned.lobe = *lobes[direction].get_or_insert_with(|| {
                     plan.lobe.push((theta, phi));
                     plan.lobe.len() - 1
                 });
@@ -274,6 +325,18 @@ impl<'a> Plan<'a> {
         lamella::diffraction(&self.half_ku, &self.obliquity, lamella_width, factor)
     }
 
+    /// Derivatives of [`Plan::interference`] by the period, 1/nm, in exact form; `None` where there is none.
+    pub(crate) fn interference_slopes(&self, period: f64) -> Option<DVector<f64>> {
+        lamella::interference_slopes(&self.half_kv, period, self.model.stack().layers).map(DVector::from_vec)
+    }
+
+    /// Derivatives of [`Plan::diffraction`] by the width of the lamella, 1/nm.
+    pub(crate) fn diffraction_slopes(&self, lamella_width: f64) -> DVector<f64> {
+        let factor = self.model.lamella_factor(lamella_width);
+        let slope = self.model.lamella_factor_slope(lamella_width);
+        DVector::from_vec(lamella::diffraction_slopes(&self.half_ku, &self.obliquity, lamella_width, factor, slope))
+    }
+
     /// NaN where the model has no answer, which a fit reads as a forbidden point.
     pub(crate) fn stack(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Vec<f64> {
         let period = Period { cuticle: d_cuticle, gap: d_air };
@@ -291,6 +354,27 @@ impl<'a> Plan<'a> {
             }
         }
         values
+    }
+
+    /// Derivatives of [`Plan::stack`] by `d_air`, `d_cuticle` and `delta` (per nm and rad), in exact form; `None` where the
+    /// model has none.
+    pub(crate) fn stack_slopes(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Option<[DVector<f64>; 3]> {
+        let period = Period { cuticle: d_cuticle, gap: d_air };
+        let mut slopes = [0, 1, 2].map(|_| DVector::zeros(self.nodes));
+        let mut found = Vec::new();
+        for run in &self.stack {
+            found.clear();
+            found.resize(run.wavenumbers.len(), StackSlopes::default());
+            let angle = run.theta - delta;
+            self.model.stack_slopes(&run.media, &run.wavenumbers, period, angle, &mut found).then_some(())?;
+            for (&(node, (s, p)), found) in run.nodes.iter().zip(&found) {
+                let of = |both: SAndP| s * both.s + p * both.p;
+                slopes[0][node] = of(found.gap);
+                slopes[1][node] = of(found.cuticle);
+                slopes[2][node] = -of(found.angle);
+            }
+        }
+        Some(slopes)
     }
 
     pub(crate) fn lobe(&self, delta: f64, phi_alpha: f64) -> Vec<f64> {

@@ -7,7 +7,8 @@
 use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::LinearPart;
 use crate::inversion::parameter::{COUNT, Parameter, inside};
-use crate::inversion::plan::{Plan, Terms};
+use crate::inversion::plan::{Plan, PlannedReading, Terms};
+use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
 use crate::optimise::{Bounds, LeastSquares, derivative};
 use nalgebra::{DMatrix, DVector};
@@ -21,6 +22,7 @@ pub(crate) struct Problem<'a> {
     space: &'a Space,
     /// Square roots of the weights of a robust loss; empty for none.
     robust: &'a [f64],
+    derivative: Derivative,
     last: RefCell<Option<Evaluation>>,
 }
 
@@ -35,7 +37,14 @@ pub(crate) struct Evaluation {
 
 impl<'a> Problem<'a> {
     pub(crate) fn new(compiled: &'a Compiled<'_>, space: &'a Space, robust: &'a [f64]) -> Self {
-        Self { plan: &compiled.plan, linear: &compiled.linear, space, robust, last: RefCell::new(None) }
+        Self {
+            plan: &compiled.plan,
+            linear: &compiled.linear,
+            space,
+            robust,
+            derivative: compiled.settings.derivative,
+            last: RefCell::new(None),
+        }
     }
 
     /// Number of residuals.
@@ -68,16 +77,23 @@ impl<'a> Problem<'a> {
         (0..self.plan.len()).map(square).sum::<f64>().sqrt()
     }
 
-    fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
-        DVector::from_fn(self.plan.len(), |row, _| {
-            let reading = &self.plan.readings[row];
-            let parts = self.plan.parts(reading, point.terms.view());
-            self.weight(row) * (self.linear.value(reading.curve, parts, &point.coefficients) - reading.intensity)
-        })
+    /// Factors on A and on B and the background of each curve.
+    fn factors(&self, point: &Evaluation) -> Vec<(f64, f64, f64)> {
+        (0..self.plan.curves).map(|curve| self.linear.factors(curve, &point.coefficients)).collect()
     }
 
-    /// Weighted derivatives by the free parameters at fixed nuisances, `[m, n]`: differences of each term in each
-    /// parameter it depends on, joined by the product rule.
+    fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
+        let (factors, terms) = (self.factors(point), point.terms.view());
+        let residual = |(row, reading): (usize, &PlannedReading)| {
+            let (a, b) = self.plan.parts(reading, terms);
+            let (on_a, on_b, background) = factors[reading.curve];
+            self.weight(row) * (on_a * a + on_b * b + background - reading.intensity)
+        };
+        DVector::from_iterator(self.plan.len(), self.plan.readings.iter().enumerate().map(residual))
+    }
+
+    /// Weighted derivatives by the free parameters at fixed nuisances, `[m, n]`: those of each term by each parameter it
+    /// depends on, joined by the product rule.
     fn slopes(&self, point: &Evaluation) -> DMatrix<f64> {
         let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = point.values;
         let plan = self.plan;
@@ -87,48 +103,61 @@ impl<'a> Problem<'a> {
                 derivative(|x| DVector::from_vec(function(x)), at, parameter.typical_change(), parameter.domain())
             })
         };
+        let exactly = self.derivative == Derivative::Exact;
         let period = (moves(Parameter::DAir) || moves(Parameter::DCuticle)).then(|| {
-            let along = |x| DVector::from_vec(plan.interference(x));
-            derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY))
+            let exact = exactly.then(|| plan.interference_slopes(d_air + d_cuticle)).flatten();
+            exact.unwrap_or_else(|| {
+                let along = |x| DVector::from_vec(plan.interference(x));
+                derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY))
+            })
         });
-        let width = difference(Parameter::LamellaWidth, lamella_width, &|x| plan.diffraction(x));
-        let stack = [
-            difference(Parameter::DAir, d_air, &|x| plan.stack(x, d_cuticle, delta)),
-            difference(Parameter::DCuticle, d_cuticle, &|x| plan.stack(d_air, x, delta)),
-            difference(Parameter::Delta, delta, &|x| plan.stack(d_air, d_cuticle, x)),
-        ];
+        let width = if exactly {
+            moves(Parameter::LamellaWidth).then(|| plan.diffraction_slopes(lamella_width))
+        } else {
+            difference(Parameter::LamellaWidth, lamella_width, &|x| plan.diffraction(x))
+        };
+        let by_differences = || {
+            [
+                difference(Parameter::DAir, d_air, &|x| plan.stack(x, d_cuticle, delta)),
+                difference(Parameter::DCuticle, d_cuticle, &|x| plan.stack(d_air, x, delta)),
+                difference(Parameter::Delta, delta, &|x| plan.stack(d_air, d_cuticle, x)),
+            ]
+        };
+        let exact = exactly.then(|| plan.stack_slopes(d_air, d_cuticle, delta)).flatten();
+        let stack = exact.map_or_else(by_differences, |slopes| slopes.map(Some));
         let lobe = [
             difference(Parameter::Delta, delta, &|x| plan.lobe(x, phi_alpha)),
             difference(Parameter::PhiAlpha, phi_alpha, &|x| plan.lobe(delta, x)),
         ];
 
         let terms = &point.terms;
+        let factors = self.factors(point);
         let mut all = DMatrix::zeros(plan.len(), COUNT);
-        let at = |values: &Option<DVector<f64>>, index: usize| values.as_ref().map_or(0.0, |values| values[index]);
+        let mut columns = all.as_mut_slice().chunks_exact_mut(plan.len().max(1));
+        let columns: [&mut [f64]; COUNT] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        let at = |values: &[f64], index: usize| values.get(index).copied().unwrap_or(0.0);
+        let (period, width) = (slice(&period), slice(&width));
+        let (stack, lobe) = (stack.each_ref().map(slice), lobe.each_ref().map(slice));
         for (row, reading) in plan.readings.iter().enumerate() {
-            let (on_a, on_b, _) = self.linear.factors(reading.curve, &point.coefficients);
+            let (on_a, on_b, _) = factors[reading.curve];
             let weight = self.weight(row);
-            let mut slope = [0.0; COUNT];
+            let mut along_thicknesses = [0.0; 2];
             if reading.share_a > 0.0 {
                 let node = reading.lamella;
                 let factor = weight * on_a * reading.share_a;
-                let by_period = factor * at(&period, node) * terms.diffraction[node];
-                slope[0] += by_period;
-                slope[1] += by_period;
-                slope[4] += factor * terms.interference[node] * at(&width, node);
+                along_thicknesses = [factor * at(period, node) * terms.diffraction[node]; 2];
+                columns[4][row] = factor * terms.interference[node] * at(width, node);
             }
             if reading.share_b > 0.0 {
                 let (node, direction) = (reading.stack, reading.lobe);
                 let factor = weight * on_b * reading.share_b;
                 let (r, l) = (terms.stack[node], terms.lobe[direction]);
-                slope[0] += factor * l * at(&stack[0], node);
-                slope[1] += factor * l * at(&stack[1], node);
-                slope[2] += factor * (l * at(&stack[2], node) + r * at(&lobe[0], direction));
-                slope[3] += factor * r * at(&lobe[1], direction);
+                along_thicknesses[0] += factor * l * at(stack[0], node);
+                along_thicknesses[1] += factor * l * at(stack[1], node);
+                columns[2][row] = factor * (l * at(stack[2], node) + r * at(lobe[0], direction));
+                columns[3][row] = factor * r * at(lobe[1], direction);
             }
-            for (column, slope) in slope.into_iter().enumerate() {
-                all[(row, column)] = slope;
-            }
+            (columns[0][row], columns[1][row]) = along_thicknesses.into();
         }
         if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }
     }
@@ -182,6 +211,11 @@ impl LeastSquares for Problem<'_> {
         let along = q.tr_mul(&slopes);
         slopes - q * along
     }
+}
+
+/// The values, or none.
+fn slice(values: &Option<DVector<f64>>) -> &[f64] {
+    values.as_ref().map(|values| values.as_slice()).unwrap_or_default()
 }
 
 #[cfg(test)]

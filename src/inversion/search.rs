@@ -8,6 +8,7 @@ use crate::inversion::nuisance::LinearPart;
 use crate::inversion::parameter::{COUNT, Parameter, inside};
 use crate::inversion::plan::{Plan, TermsView};
 use crate::inversion::problem::Problem;
+use crate::inversion::screening::{OfPart, Screening};
 use crate::inversion::settings::FitSettings;
 use crate::inversion::space::Space;
 use crate::optimise::{Minimum, Tolerances, merge_equal, merge_near, multistart};
@@ -270,37 +271,51 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
         lobes.entry((key(values[2]), key(values[3]))).or_insert_with(|| plan.lobe(values[2], values[3]));
         slits.entry(key(values[4])).or_insert_with(|| plan.diffraction(values[4]));
     }
+    let screening = Screening::new(plan);
     let cell = |outer: &Vec<f64>| {
         let mut best = Cell { cost: f64::INFINITY, values: [f64::NAN; COUNT] };
-        let mut interference = None;
-        let mut stacks: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
+        let mut equations = linear.no_equations();
+        let mut interference: Option<(u64, Vec<f64>)> = None;
+        // A thickness may be linked to an inner parameter: it is a part of the keys.
+        let mut stacks: FxHashMap<[u64; 3], Vec<f64>> = FxHashMap::default();
+        let mut lamellae: FxHashMap<[u64; 2], OfPart> = FxHashMap::default();
+        let mut multilayers: FxHashMap<[u64; 4], OfPart> = FxHashMap::default();
         for inner in inner {
             let values = full(outer, inner);
             let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = values;
             if !inside(&values) {
                 continue;
             }
-            let (own_lobe, own_slit);
-            let terms = TermsView {
-                interference: interference.get_or_insert_with(|| plan.interference(d_air + d_cuticle)),
-                stack: stacks.entry(key(delta)).or_insert_with(|| plan.stack(d_air, d_cuticle, delta)),
-                lobe: match lobes.get(&(key(delta), key(phi_alpha))) {
-                    Some(lobe) => lobe,
-                    None => {
-                        own_lobe = plan.lobe(delta, phi_alpha);
-                        &own_lobe
-                    }
-                },
-                diffraction: match slits.get(&key(lamella_width)) {
-                    Some(slit) => slit,
-                    None => {
-                        own_slit = plan.diffraction(lamella_width);
-                        &own_slit
-                    }
-                },
+            let period = d_air + d_cuticle;
+            let interference = match &mut interference {
+                Some((known, values)) if *known == key(period) => &*values,
+                other => &other.insert((key(period), plan.interference(period))).1,
             };
-            let sums = linear.normal_equations(plan, terms, &[]);
-            let cost = sums.sum_of_squares(&sums.solve());
+            let [air, cuticle, tilt, width] = [d_air, d_cuticle, delta, phi_alpha].map(key);
+            let stack = stacks.entry([air, cuticle, tilt]).or_insert_with(|| plan.stack(d_air, d_cuticle, delta));
+            let own_lobe;
+            let lobe = match lobes.get(&(tilt, width)) {
+                Some(lobe) => lobe,
+                None => {
+                    own_lobe = plan.lobe(delta, phi_alpha);
+                    &own_lobe
+                }
+            };
+            let own_slit;
+            let diffraction = match slits.get(&key(lamella_width)) {
+                Some(slit) => slit,
+                None => {
+                    own_slit = plan.diffraction(lamella_width);
+                    &own_slit
+                }
+            };
+            let terms = TermsView { interference, diffraction, stack, lobe };
+            let lamella = lamellae.entry([period, lamella_width].map(key)).or_insert_with(|| screening.lamella(terms));
+            let multilayer =
+                multilayers.entry([air, cuticle, tilt, width]).or_insert_with(|| screening.multilayer(terms));
+            equations.clear();
+            screening.join(lamella, multilayer, |curve, sums| linear.add(&mut equations, curve, sums));
+            let cost = equations.best_sum_of_squares();
             if cost < best.cost {
                 best = Cell { cost, values };
             }

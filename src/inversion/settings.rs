@@ -81,6 +81,19 @@ pub enum Search {
     Local,
 }
 
+/// How the reflectivity of the stack is differentiated by thicknesses and tilt.
+///
+/// The other factors of the model cost little and are differentiated by central differences in either case.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Derivative {
+    /// The formulas, differentiated, where the model has them: real indices and waves that travel; differences elsewhere.
+    #[default]
+    Exact,
+    /// Central differences.
+    FiniteDifference,
+}
+
 /// Everything that a fit is told beside the data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -102,6 +115,9 @@ pub struct FitSettings {
     pub loss: Loss,
     /// Where the search begins.
     pub search: Search,
+    /// How the model is differentiated.
+    #[serde(default)]
+    pub derivative: Derivative,
     /// A minimum within this Δchi² of the best, in units of the squared standard deviation of a weighted residual, fits as
     /// well: 9 is three standard deviations of one parameter.
     #[serde(default = "level")]
@@ -130,6 +146,7 @@ impl Default for FitSettings {
             nuisances: Nuisances::default(),
             loss: Loss::default(),
             search: Search::default(),
+            derivative: Derivative::default(),
             level: level(),
             seed: 1,
             required: Vec::new(),

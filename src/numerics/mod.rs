@@ -1,5 +1,6 @@
 //! Numerical methods that know neither physics nor colour, without I/O.
 
+pub mod dot;
 pub mod nonnegative;
 pub mod normal;
 pub mod quantile;

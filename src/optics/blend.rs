@@ -1,6 +1,6 @@
 //! The `blend` model: the paper's structure with its physics put right.
 
-use crate::optics::multilayer::{self, Period, SAndP};
+use crate::optics::multilayer::{self, Period, SAndP, StackSlopes};
 use crate::optics::{Media, OpticsError, ReflectivityModel, Stack};
 
 /// Model A divided by its peak, and Model B exact for s and p.
@@ -52,5 +52,16 @@ impl ReflectivityModel for BlendModel {
     ) -> Result<(), OpticsError> {
         multilayer::reflectivities_unchecked(media, wavenumbers, period, self.stack.layers, angle, out);
         Ok(())
+    }
+
+    fn stack_slopes(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [StackSlopes],
+    ) -> bool {
+        multilayer::slopes_unchecked(media, wavenumbers, period, self.stack.layers, angle, out)
     }
 }

@@ -9,13 +9,17 @@
 //! Every 0/0 of the printed form has its limit: `A = ±1` at `x = m pi`, `S = 1` at `y = 0`. The printed `cos^2(theta)`
 //! is kept; it is not reciprocal. The path is that of the vacuum: Model A does not see the cuticle's index.
 
-use crate::numerics::trigonometry::{cos_up_to_sign, sin_up_to_sign};
+use crate::numerics::trigonometry::{cos_up_to_sign, sin_cos_up_to_sign, sin_up_to_sign};
 use multiversion::multiversion;
 use std::f64::consts::{PI, TAU};
 
 /// Up to so many layers the Chebyshev recurrence is taken: twice as fast as the ratio, and its rounding grows as
 /// `M²/3`, to 1e-14 here.
 const CHEBYSHEV_LAYERS: usize = 16;
+/// Nodes that go together.
+const BLOCK: usize = 16;
+/// Below this argument the slope of a slit is taken by its series.
+const SERIES: f64 = 0.05;
 
 /// `sin(M x) / (M sin x)`, the normalised amplitude of M equal waves with phase step `2 x`; at most 1 in size.
 ///
@@ -63,7 +67,7 @@ fn chebyshev<const LANES: usize>(x: [f64; LANES], layers: usize) -> [f64; LANES]
 /// `array_factor(half_kv · period)²` of many nodes.
 ///
 /// The same bits with every set of vector instructions: nothing is fused.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
 pub(crate) fn interference(half_kv: &[f64], period: f64, layers: usize) -> Vec<f64> {
     let mut squares = Vec::with_capacity(half_kv.len());
     let (chunks, rest) = half_kv.as_chunks::<8>();
@@ -78,10 +82,72 @@ pub(crate) fn interference(half_kv: &[f64], period: f64, layers: usize) -> Vec<f
 }
 
 /// `factor · obliquity · slit_factor(half_ku · lamella_width)²` of many nodes.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
 pub(crate) fn diffraction(half_ku: &[f64], obliquity: &[f64], lamella_width: f64, factor: f64) -> Vec<f64> {
     let one = |half_ku: f64, obliquity: f64| factor * obliquity * slit_factor(half_ku * lamella_width).powi(2);
     half_ku.iter().zip(obliquity).map(|(&half_ku, &obliquity)| one(half_ku, obliquity)).collect()
+}
+
+/// Derivatives of [`interference`] by the period, 1/nm; `None` above [`CHEBYSHEV_LAYERS`].
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+pub(crate) fn interference_slopes(half_kv: &[f64], period: f64, layers: usize) -> Option<Vec<f64>> {
+    if layers > CHEBYSHEV_LAYERS {
+        return None;
+    }
+    #[allow(clippy::cast_precision_loss, reason = "at most 16")]
+    let count = layers.max(1) as f64;
+    let mut slopes = vec![0.0; half_kv.len()];
+    for (nodes, out) in half_kv.chunks(BLOCK).zip(slopes.chunks_mut(BLOCK)) {
+        let (mut twice_cos, mut twice_sin) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let mut phases = [0.0; BLOCK];
+        phases[..nodes.len()].copy_from_slice(nodes);
+        for lane in 0..BLOCK {
+            let (sin, cos) = sin_cos_up_to_sign(phases[lane] * period);
+            (twice_sin[lane], twice_cos[lane]) = (2.0 * sin, 2.0 * cos);
+        }
+        // U_(M-1) and its derivative by the cosine's double.
+        let (mut u, mut before) = ([1.0; BLOCK], [0.0; BLOCK]);
+        let (mut by_u, mut by_before) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for _ in 1..layers {
+            for lane in 0..BLOCK {
+                let next = twice_cos[lane] * u[lane] - before[lane];
+                let by_next = u[lane] + twice_cos[lane] * by_u[lane] - by_before[lane];
+                (u[lane], before[lane]) = (next, u[lane]);
+                (by_u[lane], by_before[lane]) = (by_next, by_u[lane]);
+            }
+        }
+        let mut found = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            found[lane] = -2.0 * u[lane] * by_u[lane] * twice_sin[lane] * phases[lane] / (count * count);
+        }
+        out.copy_from_slice(&found[..nodes.len()]);
+    }
+    Some(slopes)
+}
+
+/// Derivatives of [`diffraction`] by the width of the lamella, 1/nm, where `factor_slope` is that of the factor.
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+pub(crate) fn diffraction_slopes(
+    half_ku: &[f64],
+    obliquity: &[f64],
+    lamella_width: f64,
+    factor: f64,
+    factor_slope: f64,
+) -> Vec<f64> {
+    let mut slopes = vec![0.0; half_ku.len()];
+    for ((slope, &half_ku), &obliquity) in slopes.iter_mut().zip(half_ku).zip(obliquity) {
+        let y = half_ku * lamella_width;
+        let small = y.abs() < SERIES;
+        let safe = if small { 1.0 } else { y };
+        let (sin, cos) = sin_cos_up_to_sign(safe);
+        let z = y * y;
+        let sinc = if small { 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0)) } else { sin / safe };
+        // (y cos y - sin y) / y², which cancels where y is small
+        let series = -y / 3.0 * (1.0 - z / 10.0 * (1.0 - z / 28.0 * (1.0 - z / 54.0)));
+        let by_y = if small { series } else { (cos - sin / safe) / safe };
+        *slope = obliquity * (factor_slope * sinc * sinc + factor * 2.0 * sinc * by_y * half_ku);
+    }
+    slopes
 }
 
 /// `sin(y) / y` up to sign, the amplitude of a slit; 1 at `y = 0`.
@@ -139,6 +205,34 @@ impl LamellaNode {
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn slopes_are_differences_of_the_values() {
+        let nodes: Vec<f64> = (0..200).map(|i| 1e-6 * f64::from(i * i)).collect();
+        let obliquity = vec![0.9; nodes.len()];
+        let by = |function: &dyn Fn(f64) -> Vec<f64>, at: f64| -> Vec<f64> {
+            let [far_below, below, above, far_above] = [-2.0, -1.0, 1.0, 2.0].map(|steps| function(at + 0.01 * steps));
+            (0..below.len()).map(|i| (8.0 * (above[i] - below[i]) - (far_above[i] - far_below[i])) / 0.12).collect()
+        };
+        for layers in [1, 2, 9, 16] {
+            let exact = interference_slopes(&nodes, 235.0, layers).unwrap();
+            for (exact, expected) in exact.iter().zip(by(&|period| interference(&nodes, period, layers), 235.0)) {
+                assert_abs_diff_eq!(*exact, expected, epsilon = 2e-9);
+            }
+        }
+        assert_eq!(interference_slopes(&nodes, 235.0, 17), None);
+        // Both sides of the series: y from 0 to 12.
+        for factor in [|_: f64| 1.0, |width: f64| (width / 250.0).powi(2)] {
+            let slope = (factor(300.5) - factor(299.5)) / 1.0;
+            let exact = diffraction_slopes(&nodes, &obliquity, 300.0, factor(300.0), slope);
+            let values = by(&|width| diffraction(&nodes, &obliquity, width, factor(width)), 300.0);
+            for (exact, expected) in exact.iter().zip(values) {
+                assert_abs_diff_eq!(*exact, expected, epsilon = 1e-10);
+            }
+        }
+        let tiny = |y: f64| diffraction_slopes(&[y / 300.0], &[1.0], 300.0, 1.0, 0.0)[0];
+        assert!((tiny(SERIES * (1.0 - 1e-12)) / tiny(SERIES * (1.0 + 1e-12)) - 1.0).abs() < 1e-11);
+    }
 
     /// Table 1 at normal incidence, peak-normalised.
     fn table1(wavelength: f64, phi_deg: f64) -> f64 {

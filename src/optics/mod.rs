@@ -31,7 +31,7 @@ pub use structure::Structure;
 
 use crate::geometry::{Geometry, Polarization};
 use lamella::LamellaNode;
-use multilayer::{Period, SAndP};
+use multilayer::{Period, SAndP, StackSlopes};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Name of Model A's contribution.
@@ -69,6 +69,11 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// Factor of Model A beside `cos²(theta) A² S²`, for a lamella `lamella_width` nm wide.
     fn lamella_factor(&self, lamella_width: f64) -> f64;
 
+    /// Derivative of [`lamella_factor`](Self::lamella_factor) by the width, 1/nm.
+    fn lamella_factor_slope(&self, _lamella_width: f64) -> f64 {
+        0.0
+    }
+
     /// Reflectivity of the stack at `angle = theta - delta` (rad) from the normal of its layers.
     ///
     /// The inner loop of a fit, for input that was checked: [`contributions`](Self::contributions) checks it.
@@ -97,6 +102,19 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
             *out = self.stack_reflectivity(&Media { wavelength: TAU / wavenumber, ..*media }, period, angle)?;
         }
         Ok(())
+    }
+
+    /// Derivatives of [`stack_reflectivities`](Self::stack_reflectivities) in exact form; `false`, and nothing written, where
+    /// the model has none there: then differences stand in.
+    fn stack_slopes(
+        &self,
+        _media: &Media,
+        _wavenumbers: &[f64],
+        _period: Period,
+        _angle: f64,
+        _out: &mut [StackSlopes],
+    ) -> bool {
+        false
     }
 
     /// Both contributions at one reading.

@@ -1,8 +1,8 @@
 //! The `paper` model: the printed formulas, with a switch for each of their faults.
 
 use crate::optics::error::require;
-use crate::optics::multilayer::periodic::{self, Admittances, Cosines, Phases};
-use crate::optics::multilayer::{self, Period, SAndP};
+use crate::optics::multilayer::periodic::{self, Admittances, Cosines, Incidence, Phases, Rule};
+use crate::optics::multilayer::{Period, Rules, SAndP, StackSlopes, lanes};
 use crate::optics::{Media, OpticsError, ReflectivityModel, Stack};
 use serde::{Deserialize, Serialize};
 
@@ -64,27 +64,38 @@ pub struct PaperModel {
 }
 
 impl PaperModel {
-    fn cosines(&self, media: &Media, angle: f64) -> Result<Cosines, OpticsError> {
+    fn rules(&self) -> Rules {
+        match self.admittance {
+            Admittance::Mean => Rules::Mean,
+            Admittance::PerPolarization => Rules::Each,
+        }
+    }
+
+    fn incidence(&self, media: &Media, angle: f64) -> Result<Incidence, OpticsError> {
         let model = "paper";
         if let Some((medium, k)) = media.absorbing() {
             return Err(OpticsError::Absorbing { model, medium, k });
         }
-        let sin = angle.sin();
+        let (sin, cos) = angle.sin_cos();
         match self.snell {
-            Snell::Right => Cosines::refracted(media, angle).ok_or(OpticsError::NoRefractedRay {
+            Snell::Right => Incidence::refracted(media, angle).ok_or(OpticsError::NoRefractedRay {
                 model,
                 medium: "stack",
                 sine: sin * media.ambient / media.cuticle.re.min(media.gap.re).min(media.base.re),
             }),
             Snell::Printed => {
                 // As printed, gaps and base share the angle of the ambient medium.
-                let sine = sin * media.cuticle.re / media.gap.re;
+                let ratio = media.cuticle.re / media.gap.re;
+                let sine = sin * ratio;
                 let squared = 1.0 - sine * sine;
                 if squared <= 0.0 {
                     return Err(OpticsError::NoRefractedRay { model, medium: "cuticle", sine });
                 }
-                let cos = angle.cos();
-                Ok(Cosines { ambient: cos, cuticle: squared.sqrt(), gap: cos, base: cos })
+                let cuticle = squared.sqrt();
+                Ok(Incidence {
+                    cosines: Cosines { ambient: cos, cuticle, gap: cos, base: cos },
+                    slopes: Cosines { ambient: -sin, cuticle: -sine * ratio * cos / cuticle, gap: -sin, base: -sin },
+                })
             }
         }
     }
@@ -123,20 +134,25 @@ impl ReflectivityModel for PaperModel {
         }
     }
 
+    fn lamella_factor_slope(&self, lamella_width: f64) -> f64 {
+        match self.lamella_unit {
+            LamellaUnit::Peak => 0.0,
+            // proportional to the square of the width
+            _ => 2.0 * self.lamella_factor(lamella_width) / lamella_width,
+        }
+    }
+
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
         let cos = angle.cos();
         if cos <= 0.0 {
             return Ok(SAndP::both(if cos < 0.0 { 0.0 } else { 1.0 }));
         }
-        let cosines = self.cosines(media, angle)?;
-        let layers = self.stack.layers;
+        let (cosines, layers) = (self.incidence(media, angle)?.cosines, self.stack.layers);
         let phases = Phases::new(media, &cosines, period);
-        let with = |rule: fn(f64, f64) -> f64| {
-            periodic::reflectivity(&Admittances::each(media, &cosines, rule), &phases, layers)
-        };
+        let with = |rule| periodic::reflectivity(&Admittances::each(media, &cosines, rule), &phases, layers);
         Ok(match self.admittance {
-            Admittance::Mean => SAndP::both(with(mean_admittance)),
-            Admittance::PerPolarization => SAndP { s: with(|n, cos| n * cos), p: with(|n, cos| cos / n) },
+            Admittance::Mean => SAndP::both(with(Rule::Mean)),
+            Admittance::PerPolarization => SAndP { s: with(Rule::S), p: with(Rule::P) },
         })
     }
 
@@ -153,20 +169,23 @@ impl ReflectivityModel for PaperModel {
             out.fill(SAndP::both(if cos < 0.0 { 0.0 } else { 1.0 }));
             return Ok(());
         }
-        let (cosines, layers) = (self.cosines(media, angle)?, self.stack.layers);
-        match self.admittance {
-            Admittance::Mean => {
-                multilayer::along_spectrum_with(media, &cosines, period, layers, wavenumbers, mean_admittance, out);
-            }
-            Admittance::PerPolarization => {
-                multilayer::along_spectrum(media, &cosines, period, layers, wavenumbers, out);
-            }
-        }
+        let incidence = self.incidence(media, angle)?;
+        lanes::values(media, &incidence, period, self.stack.layers, self.rules(), wavenumbers, out);
         Ok(())
     }
-}
 
-/// The mean of the admittances of s and p, as printed.
-fn mean_admittance(n: f64, cos: f64) -> f64 {
-    0.5 * (n * cos + n / cos)
+    fn stack_slopes(
+        &self,
+        media: &Media,
+        wavenumbers: &[f64],
+        period: Period,
+        angle: f64,
+        out: &mut [StackSlopes],
+    ) -> bool {
+        let incidence = self.incidence(media, angle).ok().filter(|_| angle.cos() > 0.0);
+        if let Some(incidence) = &incidence {
+            lanes::slopes(media, incidence, period, self.stack.layers, self.rules(), wavenumbers, out);
+        }
+        incidence.is_some()
+    }
 }

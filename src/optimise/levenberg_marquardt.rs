@@ -11,6 +11,7 @@
 //! Moré 1978, DOI 10.1007/BFb0067700 (MINPACK `lmder`): its radius rules and its tests for the end.
 
 use crate::optimise::bounds::Bounds;
+use crate::optimise::products::Products;
 use crate::optimise::termination::Termination;
 use crate::optimise::trust_region::bounded_step;
 use argmin::core::{Error, IterState, Jacobian, KV, Operator, Problem, Solver, State, TerminationReason};
@@ -109,11 +110,11 @@ fn half_square(residuals: &DVector<f64>) -> f64 {
 }
 
 /// Largest cosine between the residuals and the movable columns.
-fn largest_cosine(jacobian: &DMatrix<f64>, gradient: &DVector<f64>, norm: f64, movable: &[usize]) -> f64 {
+fn largest_cosine(products: &Products, gradient: &DVector<f64>, norm: f64, movable: &[usize]) -> f64 {
     movable
         .iter()
         .map(|&j| {
-            let length = jacobian.column(j).norm();
+            let length = products.length(j);
             if length > 0.0 { gradient[j].abs() / (length * norm) } else { 0.0 }
         })
         .fold(0.0, f64::max)
@@ -152,14 +153,15 @@ where
         let cost = half_square(&residuals);
         let norm = residuals.norm();
         let jacobian = problem.jacobian(&parameters)?;
-        let gradient = jacobian.tr_mul(&residuals);
+        let products = Products::new(&jacobian, &residuals);
+        let gradient = products.gradient();
         let back =
             |state: Iterate, parameters, residuals, cost| state.param(parameters).residuals(residuals).cost(cost);
         if !gradient.iter().all(|value| value.is_finite()) {
             return Ok((self.end(back(state, parameters, residuals, cost), Termination::Stalled), None));
         }
-        for (scale, column) in self.scaling.iter_mut().zip(jacobian.column_iter()) {
-            *scale = scale.max(column.norm());
+        for (j, scale) in self.scaling.iter_mut().enumerate() {
+            *scale = scale.max(products.length(j));
             if *scale <= 0.0 {
                 *scale = 1.0;
             }
@@ -168,7 +170,7 @@ where
             return Ok((self.end(back(state, parameters, residuals, cost), Termination::Stalled), None));
         }
         let movable = self.movable(&parameters, &gradient);
-        let cosine = largest_cosine(&jacobian, &gradient, norm, &movable);
+        let cosine = largest_cosine(&products, &gradient, norm, &movable);
         let ended = if norm <= 0.0 {
             Some(Termination::ExactFit)
         } else if movable.is_empty() || cosine <= self.tolerances.gradient {
@@ -185,11 +187,12 @@ where
         }
 
         let pick = |vector: &DVector<f64>| DVector::from_fn(movable.len(), |c, _| vector[movable[c]]);
-        let qr = jacobian.select_columns(&movable).qr();
-        let mut rotated = residuals.clone();
-        qr.q_tr_mul(&mut rotated);
-        let b = rotated.rows(0, movable.len()).into_owned();
-        let r = qr.r();
+        let (r, b) = products.triangle(&movable).unwrap_or_else(|| {
+            let qr = jacobian.select_columns(&movable).qr();
+            let mut rotated = residuals.clone();
+            qr.q_tr_mul(&mut rotated);
+            (qr.r(), rotated.rows(0, movable.len()).into_owned())
+        });
         let d = pick(&self.scaling);
         let lower = pick(&(self.bounds.lower() - &parameters));
         let upper = pick(&(self.bounds.upper() - &parameters));

@@ -14,6 +14,7 @@ mod loss;
 mod minimise;
 mod multistart;
 mod objective;
+mod products;
 mod termination;
 mod trust_region;
 

@@ -1,6 +1,6 @@
 //! Derivatives of the model by its five parameters over a whole design: error against time.
 
-use crate::inversion::{Compiled, Extent, FitSettings, Nuisances, Problem, Space, Weight, values};
+use crate::inversion::{Compiled, Derivative, Extent, FitSettings, Nuisances, Problem, Space, Weight, values};
 use crate::optics::{BlendModel, Structure};
 use crate::optimise::{Bounds, LeastSquares, central_jacobian};
 use crate::synthetic::linspace;
@@ -21,20 +21,24 @@ enum Means {
     Forward,
     Central,
     Richardson,
-    /// Whatever the fit itself uses.
-    Kernel,
+    /// The fit's own by `--derivative finite-difference`: of each term by the parameters that it depends on.
+    ByTerms,
+    /// The fit's own by `--derivative exact`.
+    Exact,
     ComplexStep,
 }
 
 impl Means {
-    const ALL: [Self; 5] = [Self::Forward, Self::Central, Self::Richardson, Self::Kernel, Self::ComplexStep];
+    const ALL: [Self; 6] =
+        [Self::Forward, Self::Central, Self::Richardson, Self::ByTerms, Self::Exact, Self::ComplexStep];
 
     fn name(self) -> &'static str {
         match self {
             Self::Forward => "forward difference",
             Self::Central => "central difference",
             Self::Richardson => "Richardson, four points",
-            Self::Kernel => "the fit's own, term by term",
+            Self::ByTerms => "the fit's own, differences",
+            Self::Exact => "the fit's own, exact",
             Self::ComplexStep => "complex step",
         }
     }
@@ -77,11 +81,14 @@ pub(super) fn diagram(settings: &Settings, clock: Clock<'_>) -> Result<Diagram, 
     let truth = values(&Structure::table1());
     let data = drawn(&truth, 0.0, settings.seed)?.data;
     let nuisances = Nuisances { scale: Extent::None, weight: Weight::Fixed(1.0), background: Extent::None };
-    let chosen = FitSettings { nuisances, ..FitSettings::default() };
+    let chosen = FitSettings { nuisances, derivative: Derivative::FiniteDifference, ..FitSettings::default() };
+    let exactly = FitSettings { derivative: Derivative::Exact, ..chosen.clone() };
     let model = BlendModel::default();
     let compiled = Compiled::new(&data, &chosen, &model)?;
+    let compiled_exactly = Compiled::new(&data, &exactly, &model)?;
     let space = Space::new(&chosen.roles)?;
     let problem = Problem::new(&compiled, &space, &[]);
+    let exact = Problem::new(&compiled_exactly, &space, &[]);
     let design = Design {
         planes: [15.0, 75.0].map(radians).to_vec(),
         wavelengths: linspace(380.0, 740.0, 37),
@@ -93,7 +100,8 @@ pub(super) fn diagram(settings: &Settings, clock: Clock<'_>) -> Result<Diagram, 
     let of = |way: Means| match way {
         Means::Forward | Means::Richardson => differences(&problem, &at, &space.scales, way),
         Means::Central => central_jacobian(|place| problem.residuals(place), &at, &space.scales, &Bounds::none(5)),
-        Means::Kernel => problem.jacobian(&at),
+        Means::ByTerms => problem.jacobian(&at),
+        Means::Exact => exact.jacobian(&at),
         Means::ComplexStep => jacobian(&design, &truth, Way::Chebyshev) * weight,
     };
     let known = jacobian(&design, &truth, Way::Product) * weight;

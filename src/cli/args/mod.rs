@@ -16,8 +16,8 @@ pub(crate) use structure::StructureArgs;
 pub(crate) use subject::SubjectArgs;
 pub(crate) use tradeoff::TradeoffArgs;
 pub(crate) use words::{
-    AdmittanceWord, ExtentWord, GamutWord, KeepWord, LossWord, ModelWord, ObserverWord, PolarizationWord, PresetWord,
-    SnellWord, TurnWord, UncertaintyWord, WideWord,
+    AdmittanceWord, DerivativeWord, ExtentWord, GamutWord, KeepWord, LossWord, ModelWord, ObserverWord,
+    PolarizationWord, PresetWord, SnellWord, TurnWord, UncertaintyWord, WideWord,
 };
 
 use crate::values;

@@ -1,6 +1,8 @@
 //! What is fitted: data, model, parameters, nuisances.
 
-use crate::args::{AdmittanceWord, ExtentWord, LossWord, ModelWord, PolarizationWord, SnellWord, WideWord};
+use crate::args::{
+    AdmittanceWord, DerivativeWord, ExtentWord, LossWord, ModelWord, PolarizationWord, SnellWord, WideWord,
+};
 use crate::values::{self, Assignment, Given, Index};
 use clap::Args;
 use morpho_fit::inversion::{Parameter, Weight};
@@ -133,6 +135,9 @@ pub(crate) struct NuisanceArgs {
     /// Search from the start alone: quick, and blind to every other minimum.
     #[arg(long)]
     pub(crate) local: bool,
+    /// How the reflectivity of the stack is differentiated.
+    #[arg(long, value_name = "WORD", default_value = "exact")]
+    pub(crate) derivative: DerivativeWord,
     /// Another minimum fits as well if its chi² is above the best by at most this, in standard deviations squared.
     #[arg(long, value_name = "DELTA_CHI2", default_value_t = 9.0, value_parser = values::not_negative, allow_negative_numbers = true)]
     pub(crate) level: f64,

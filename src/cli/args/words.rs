@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use morpho_fit::colorimetry::{GamutMapping, Observer};
 use morpho_fit::dataset::WideHeading;
 use morpho_fit::geometry::Polarization;
-use morpho_fit::inversion::Extent;
+use morpho_fit::inversion::{Derivative, Extent};
 use morpho_fit::optics::{Admittance, Snell};
 use morpho_fit::optimise::Loss;
 
@@ -72,6 +72,13 @@ words!(ExtentWord => Extent {
     Shared => Extent::Shared,
     /// One for each curve.
     PerCurve => Extent::PerCurve,
+});
+
+words!(DerivativeWord => Derivative {
+    /// By its formulas, where a model has them: real indices and waves that travel; by differences elsewhere.
+    Exact => Derivative::Exact,
+    /// By central differences.
+    FiniteDifference => Derivative::FiniteDifference,
 });
 
 words!(LossWord => Loss {

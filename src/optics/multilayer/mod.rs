@@ -2,18 +2,21 @@
 //!
 //! Three forms of the same physics. [`intensity`] is the paper's recurrence as printed, for real indices.
 //! [`periodic`] is the closed form of the periodic stack, for real indices and any number of layers at the same cost.
-//! In vector registers it gives a whole spectrum at once: [`reflectivities`]. [`amplitude`] carries the complex fields through any list of layers. [`reflectivity`] picks the cheapest that holds.
+//! In vector registers it gives a
+//! whole spectrum at once: [`reflectivities`]. [`amplitude`] carries the complex fields through any list of layers.
+//! [`reflectivity`] picks the cheapest that holds.
 
 pub mod amplitude;
 pub mod intensity;
-mod lanes;
+pub(crate) mod lanes;
 pub mod periodic;
 
 use crate::optics::error::{OpticsError, require};
 use crate::optics::material::WAVELENGTHS;
 use crate::optics::stack::{MAX_LAYERS, Media};
 use amplitude::Layer;
-use periodic::{Admittances, Cosines};
+pub(crate) use lanes::Rules;
+use periodic::{Cosines, Incidence};
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
@@ -58,6 +61,17 @@ impl Period {
         require(THICKNESSES.contains(&self.cuticle), "d_cuticle", self.cuticle, "nm", "0 to 1e6")?;
         require(THICKNESSES.contains(&self.gap), "d_air", self.gap, "nm", "0 to 1e6")
     }
+}
+
+/// Derivatives of a reflectivity, for each linear polarization.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StackSlopes {
+    /// By the thickness of the cuticle, 1/nm.
+    pub cuticle: SAndP,
+    /// By the thickness of the gap, 1/nm.
+    pub gap: SAndP,
+    /// By the angle in the ambient medium, 1/rad.
+    pub angle: SAndP,
 }
 
 /// Reflectivity of the stack for light at `angle` (rad) from the normal of the layers, exact for s and p.
@@ -129,43 +143,36 @@ pub(crate) fn reflectivities_unchecked(
     angle: f64,
     out: &mut [SAndP],
 ) {
-    let traveling =
-        (angle.cos() > 0.0 && media.absorbing().is_none()).then(|| Cosines::refracted(media, angle)).flatten();
-    let Some(cosines) = traveling else {
-        for (out, wavenumber) in out.iter_mut().zip(wavenumbers) {
-            *out = reflectivity_unchecked(&Media { wavelength: TAU / wavenumber, ..*media }, period, layers, angle);
+    match traveling(media, angle) {
+        Some(incidence) => lanes::values(media, &incidence, period, layers, Rules::Each, wavenumbers, out),
+        None => {
+            for (out, wavenumber) in out.iter_mut().zip(wavenumbers) {
+                *out = reflectivity_unchecked(&Media { wavelength: TAU / wavenumber, ..*media }, period, layers, angle);
+            }
         }
-        return;
-    };
-    along_spectrum(media, &cosines, period, layers, wavenumbers, out);
+    }
 }
 
-/// The exact reflectivities of both polarizations where the cosines are known.
-pub(crate) fn along_spectrum(
+/// [`reflectivities_unchecked`] with their derivatives; `false`, and nothing written, where a medium absorbs or a wave does not
+/// travel.
+pub(crate) fn slopes_unchecked(
     media: &Media,
-    cosines: &Cosines,
+    wavenumbers: &[f64],
     period: Period,
     layers: usize,
-    wavenumbers: &[f64],
-    out: &mut [SAndP],
-) {
-    let y = [Admittances::each(media, cosines, |n, cos| n * cos), Admittances::each(media, cosines, |n, cos| cos / n)];
-    let paths = lanes::Paths::new(media, cosines, period);
-    lanes::both(&y, paths, wavenumbers, layers, out);
+    angle: f64,
+    slopes: &mut [StackSlopes],
+) -> bool {
+    let incidence = traveling(media, angle);
+    if let Some(incidence) = &incidence {
+        lanes::slopes(media, incidence, period, layers, Rules::Each, wavenumbers, slopes);
+    }
+    incidence.is_some()
 }
 
-/// The same with one admittance for both.
-pub(crate) fn along_spectrum_with(
-    media: &Media,
-    cosines: &Cosines,
-    period: Period,
-    layers: usize,
-    wavenumbers: &[f64],
-    admittance: impl Fn(f64, f64) -> f64,
-    out: &mut [SAndP],
-) {
-    let y = Admittances::each(media, cosines, admittance);
-    lanes::one(&y, lanes::Paths::new(media, cosines, period), wavenumbers, layers, out);
+/// The cosines where every wave of the stack travels and none is absorbed.
+fn traveling(media: &Media, angle: f64) -> Option<Incidence> {
+    (angle.cos() > 0.0 && media.absorbing().is_none()).then(|| Incidence::refracted(media, angle)).flatten()
 }
 
 /// [`reflectivity`] for inputs that were checked before: the inner loop of a fit.

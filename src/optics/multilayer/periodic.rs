@@ -46,6 +46,73 @@ impl Cosines {
     }
 }
 
+/// The cosines at one angle and their derivatives by it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Incidence {
+    pub(crate) cosines: Cosines,
+    pub(crate) slopes: Cosines,
+}
+
+impl Incidence {
+    /// As [`Cosines::refracted`].
+    pub(crate) fn refracted(media: &Media, angle: f64) -> Option<Self> {
+        let cosines = Cosines::refracted(media, angle)?;
+        let (sin, cos) = angle.sin_cos();
+        // cos_j² = 1 - (n_a/n_j)² sin²
+        let slope = |n: f64, inside: f64| -(media.ambient / n).powi(2) * sin * cos / inside;
+        let slopes = Cosines {
+            ambient: -sin,
+            cuticle: slope(media.cuticle.re, cosines.cuticle),
+            gap: slope(media.gap.re, cosines.gap),
+            base: slope(media.base.re, cosines.base),
+        };
+        Some(Self { cosines, slopes })
+    }
+
+    /// Derivatives of the admittances by the angle.
+    pub(crate) fn admittance_slopes(&self, media: &Media, rule: Rule) -> Admittances {
+        let of = |n: f64, cos: f64, slope: f64| rule.slope(n, cos) * slope;
+        Admittances {
+            ambient: of(media.ambient, self.cosines.ambient, self.slopes.ambient),
+            cuticle: of(media.cuticle.re, self.cosines.cuticle, self.slopes.cuticle),
+            gap: of(media.gap.re, self.cosines.gap, self.slopes.gap),
+            base: of(media.base.re, self.cosines.base, self.slopes.base),
+        }
+    }
+}
+
+/// What stands for the tilted admittance of a medium.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// `n cos`, of s.
+    S,
+    /// The impedance `cos / n` in place of the admittance `n / cos` of p: the same R, finite at grazing.
+    P,
+    /// The mean of the admittances of s and p, as printed.
+    Mean,
+}
+
+impl Rule {
+    #[inline]
+    pub(crate) fn value(self, n: f64, cos: f64) -> f64 {
+        match self {
+            Self::S => n * cos,
+            Self::P => cos / n,
+            Self::Mean => 0.5 * (n * cos + n / cos),
+        }
+    }
+
+    /// Derivative by `cos`.
+    #[inline]
+    fn slope(self, n: f64, cos: f64) -> f64 {
+        match self {
+            Self::S => n,
+            Self::P => n.recip(),
+            Self::Mean => 0.5 * (n - n / (cos * cos)),
+        }
+    }
+}
+
 /// Tilted admittances of the four media; any common factor cancels.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Admittances {
@@ -56,14 +123,14 @@ pub(crate) struct Admittances {
 }
 
 impl Admittances {
-    /// The same rule `admittance(n, cos)` for each medium.
+    /// The same rule for each medium.
     #[inline]
-    pub(crate) fn each(media: &Media, cosines: &Cosines, admittance: impl Fn(f64, f64) -> f64) -> Self {
+    pub(crate) fn each(media: &Media, cosines: &Cosines, rule: Rule) -> Self {
         Self {
-            ambient: admittance(media.ambient, cosines.ambient),
-            cuticle: admittance(media.cuticle.re, cosines.cuticle),
-            gap: admittance(media.gap.re, cosines.gap),
-            base: admittance(media.base.re, cosines.base),
+            ambient: rule.value(media.ambient, cosines.ambient),
+            cuticle: rule.value(media.cuticle.re, cosines.cuticle),
+            gap: rule.value(media.gap.re, cosines.gap),
+            base: rule.value(media.base.re, cosines.base),
         }
     }
 }
@@ -87,13 +154,13 @@ impl Phases {
     }
 }
 
-/// `R_s` and `R_p`. For p the impedance `cos / n` stands in for the admittance `n / cos`: the same R, finite at grazing.
+/// `R_s` and `R_p`.
 #[inline]
 pub(crate) fn exact(media: &Media, cosines: &Cosines, period: Period, layers: usize) -> SAndP {
     let phases = Phases::new(media, cosines, period);
     SAndP {
-        s: reflectivity(&Admittances::each(media, cosines, |n, cos| n * cos), &phases, layers),
-        p: reflectivity(&Admittances::each(media, cosines, |n, cos| cos / n), &phases, layers),
+        s: reflectivity(&Admittances::each(media, cosines, Rule::S), &phases, layers),
+        p: reflectivity(&Admittances::each(media, cosines, Rule::P), &phases, layers),
     }
 }
 
