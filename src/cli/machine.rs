@@ -1,5 +1,8 @@
 //! What the program runs on, for charts of times.
 
+use crate::output;
+use std::path::Path;
+
 /// Processor, cores, vector instructions and version, in one line.
 pub(crate) fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -9,7 +12,8 @@ pub(crate) fn machine() -> String {
 
 /// The processor by its name where the system tells it, else by its kind.
 fn processor() -> String {
-    let known = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let known = output::read(Path::new("/proc/cpuinfo")).unwrap_or_default();
+    let known = String::from_utf8_lossy(&known);
     let name = known.lines().find_map(|line| line.strip_prefix("model name"));
     let name = name.and_then(|rest| rest.split_once(':')).map(|(_, name)| name.trim().to_owned());
     name.filter(|name| !name.is_empty()).unwrap_or_else(|| std::env::consts::ARCH.to_owned())
