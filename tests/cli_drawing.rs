@@ -277,3 +277,24 @@ fn a_page_shows_no_colour_of_thicknesses_that_are_not_determined() {
     let across = page("across_ridges");
     assert!(across.contains("across the ridges, θ = 0°") && !across.contains("along the ridges"), "{across}");
 }
+
+#[test]
+fn tradeoff_leaves_a_table_a_chart_and_conclusions_of_each_study() {
+    let folder = TempDir::new().unwrap();
+    assert_eq!(run(&folder, "tradeoff --quick --only wavelength,stability --out t").code, 0);
+    let expected: Vec<String> = ["stability", "wavelength"]
+        .into_iter()
+        .flat_map(|name| ["csv", "png", "svg"].map(|kind| format!("{name}.{kind}")))
+        .collect();
+    let found = names(&folder.path().join("t"));
+    assert_eq!(
+        found.iter().filter(|name| *name != "README.md").collect::<Vec<_>>(),
+        expected.iter().collect::<Vec<_>>()
+    );
+    let csv = fs::read_to_string(folder.path().join("t/stability.csv")).unwrap();
+    assert!(csv.starts_with("# ") && csv.lines().next().unwrap().contains("morpho-fit"), "the machine is named");
+    assert_eq!(run(&folder, "tradeoff --only speed").code, 2);
+    // Text that is not of this command is not replaced.
+    fs::write(folder.path().join("t/README.md"), "mine").unwrap();
+    assert_eq!(run(&folder, "tradeoff --quick --only wavelength --out t").code, 2);
+}

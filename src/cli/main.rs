@@ -8,6 +8,7 @@ mod args;
 mod commands;
 mod exit;
 mod index_table;
+mod machine;
 mod options;
 mod output;
 mod progress;
@@ -42,6 +43,7 @@ fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
         Some(Command::Curves(args)) => commands::curves::run(&args),
         Some(Command::Sweep(args)) => commands::sweep::run(&args),
         Some(Command::Paper(args)) => commands::paper::run(&args),
+        Some(Command::Tradeoff(args)) => commands::tradeoff::run(&args),
         Some(Command::Simulate(args)) => commands::simulate::run(&args, line),
     }
 }

@@ -25,7 +25,9 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
         Some(Command::Bootstrap(args)) => ("bootstrap", &args.problem.settings),
         Some(Command::Sample(args)) => ("sample", &args.problem.settings),
         Some(Command::Check(args)) => ("check", &args.problem.settings),
-        Some(Command::Simulate(_) | Command::Curves(_) | Command::Sweep(_) | Command::Paper(_)) => return Ok(cli),
+        Some(
+            Command::Simulate(_) | Command::Curves(_) | Command::Sweep(_) | Command::Paper(_) | Command::Tradeoff(_),
+        ) => return Ok(cli),
     };
     let Some(path) = path else { return Ok(cli) };
     let text = String::from_utf8(output::read(path)?)

@@ -5,12 +5,14 @@ mod curves;
 mod json;
 mod samples;
 mod terms;
+mod tradeoff;
 
 pub use colours::colours_csv;
 pub use curves::curves_csv;
 pub use json::{fit_json, read_fit_json};
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
 pub use terms::terms_csv;
+pub use tradeoff::tradeoff_csv;
 
 use crate::inversion::SCHEMA;
 

@@ -35,6 +35,7 @@ pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitEx
 pub use atlas::{ChiSquareMap, Relation, chi_square_map};
 pub use choice::{Choice, ChoiceFound, Criterion, FOLDS, Standing, VariantFound, choose};
 pub use combinations::Combination;
+pub(crate) use compiled::Compiled;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
@@ -44,4 +45,6 @@ pub use outcome::{
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
+pub(crate) use problem::Problem;
 pub use settings::{Derivative, FitSettings, ModelChoice, Parts, Search, SettingsError};
+pub(crate) use space::Space;

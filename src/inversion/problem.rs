@@ -47,6 +47,11 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Number of residuals.
+    pub(crate) fn len(&self) -> usize {
+        self.plan.len()
+    }
+
     pub(crate) fn space(&self) -> &Space {
         self.space
     }

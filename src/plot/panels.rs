@@ -75,6 +75,10 @@ pub struct Panel {
     /// Rings and spokes about the origin instead of a frame with axes: for lines of `r sin φ` across and `r cos φ`
     /// upwards, φ from -90° to 90°. The rings stand where the ticks of y would.
     pub polar: bool,
+    /// The values of x are decimal logarithms, and the ticks name the numbers themselves.
+    pub x_in_powers: bool,
+    /// The same for y.
+    pub y_in_powers: bool,
     /// Leave the numbers at the ticks of x away, as between panels that share an axis.
     pub bare_x: bool,
     /// Leave the numbers at the ticks of y away.

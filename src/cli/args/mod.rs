@@ -6,6 +6,7 @@ mod measurement;
 mod problem;
 mod structure;
 mod subject;
+mod tradeoff;
 mod words;
 
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
@@ -13,6 +14,7 @@ pub(crate) use measurement::SimulateArgs;
 pub(crate) use problem::{AverageArgs, LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
 pub(crate) use structure::StructureArgs;
 pub(crate) use subject::SubjectArgs;
+pub(crate) use tradeoff::TradeoffArgs;
 pub(crate) use words::{
     AdmittanceWord, DerivativeWord, ExtentWord, GamutWord, KeepWord, LossWord, ModelWord, ObserverWord,
     PolarizationWord, PresetWord, SnellWord, TurnWord, UncertaintyWord, WideWord,
@@ -79,6 +81,10 @@ pub(crate) enum Command {
     /// pictures.
     #[command(args_override_self = true)]
     Paper(PaperArgs),
+    /// Measure error against time of models, derivatives, solvers, wavelengths and tables on this machine, and map where each
+    /// method fails: README.md, and CSV, SVG and PNG for each study.
+    #[command(args_override_self = true)]
+    Tradeoff(TradeoffArgs),
     /// Write a CSV file as if it were measured, from known parameters, design and noise.
     #[command(args_override_self = true)]
     Simulate(SimulateArgs),

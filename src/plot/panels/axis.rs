@@ -45,6 +45,9 @@ pub(super) fn widened(low: f64, high: f64) -> (f64, f64) {
     (low - room, high + room)
 }
 
+/// The largest power of ten that is a number with room to spare.
+const MOST_POWER: f64 = 300.0;
+
 /// One tick: its place as a part of the axis (0 at the low end, 1 at the high end) and its label.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
@@ -76,6 +79,12 @@ impl Axis {
             axis.ticks.push(Tick { place, label: decimal(count * step.mantissa, power - step.exponent) });
         }
         axis
+    }
+
+    /// The axis of decimal logarithms from `low` to `high`, with ticks at about `most` powers of ten.
+    pub(super) fn powers((low, high): (f64, f64), most: usize) -> Self {
+        let (low, high) = widened(low.max(-MOST_POWER), high.min(MOST_POWER));
+        Self { low, high, ticks: ratio_ticks(10f64.powf(low), 10f64.powf(high), most), factor: String::new() }
     }
 
     /// The axis with as many ticks as fit: `gap` must remain between neighbouring labels on an axis of `length`.
@@ -261,6 +270,15 @@ mod tests {
         let narrow = Axis::fitting((300.0, 700.0), 100.0, 10.0, 8, width).unwrap();
         let wide = Axis::fitting((300.0, 700.0), 500.0, 10.0, 8, width).unwrap();
         assert_eq!((narrow.ticks.len(), wide.ticks.len()), (2, 9));
+    }
+
+    #[test]
+    fn an_axis_of_logarithms_names_the_numbers() {
+        let axis = Axis::powers((-2.0, 2.0), 8);
+        let labels: Vec<&str> = axis.ticks.iter().map(|tick| tick.label.as_str()).collect();
+        assert_eq!(labels, ["0.01", "0.1", "1", "10", "100"]);
+        assert!((axis.place(0.0) - 0.5).abs() < 1e-12, "1 is half way");
+        assert!(Axis::powers((-1e9, 1e9), 4).ticks.len() >= 2);
     }
 
     #[test]

@@ -31,6 +31,8 @@ const ENOUGH_FOR_NAME: f64 = 0.75;
 /// Height of digits and capitals, in ems.
 pub(super) const CAPITALS: f64 = 0.73;
 const MOST_TICKS: usize = 9;
+/// Ticks of an x axis of powers: their labels are short.
+const POWERS: usize = 6;
 
 const AXIS_STROKE: Stroke = Stroke { colour: INK, width: 1.0, dashes: None };
 
@@ -66,7 +68,7 @@ impl<'a> Measured<'a> {
         let ranges = ranges(panel).filter(|_| !panel.blank);
         let mut y_tick_width: f64 = 0.0;
         if let Some((_, (low, high))) = ranges.filter(|_| !panel.bare_y && !panel.polar) {
-            for tick in Axis::new(low, high, y_intervals(plot_height)).ticks {
+            for tick in y_axis(panel, (low, high), plot_height).ticks {
                 y_tick_width = y_tick_width.max(font::width(&tick.label, TICK_EM, false)?);
             }
         }
@@ -91,10 +93,14 @@ impl<'a> Measured<'a> {
             return Ok(());
         }
         let mut factor_width = 0.0;
-        if let Some((x, (low, high))) = self.ranges {
+        if let Some((x, y)) = self.ranges {
             let width = |label: &str| font::width(label, TICK_EM, false);
-            let mut x_axis = Axis::fitting(x, plot_width, spaced(BETWEEN_LABELS, plot_width), MOST_TICKS, width)?;
-            let mut y_axis = Axis::new(low, high, y_intervals(plot_height));
+            let mut x_axis = if self.panel.x_in_powers {
+                Axis::powers(x, POWERS)
+            } else {
+                Axis::fitting(x, plot_width, spaced(BETWEEN_LABELS, plot_width), MOST_TICKS, width)?
+            };
+            let mut y_axis = y_axis(self.panel, y, plot_height);
             if self.panel.bare_x {
                 bare(&mut x_axis);
             }
@@ -208,6 +214,11 @@ fn bare(axis: &mut Axis) {
 /// The distance of ticks in a plot with the given side.
 fn spaced(distance: f64, side: f64) -> f64 {
     if side < SMALL_PLOT { CLOSER * distance } else { distance }
+}
+
+fn y_axis(panel: &Panel, (low, high): (f64, f64), plot_height: f64) -> Axis {
+    let intervals = y_intervals(plot_height);
+    if panel.y_in_powers { Axis::powers((low, high), intervals) } else { Axis::new(low, high, intervals) }
 }
 
 fn y_intervals(plot_height: f64) -> usize {
