@@ -129,6 +129,7 @@ impl Case {
             gap: material(self.pile.gap),
             base: material(self.pile.base),
             layers: self.pile.layers,
+            filling: None,
         });
         // What is beyond 90° from the layers is met by tilting them.
         let delta = if self.angle > radians(90.0) { radians(80.0) - self.angle } else { 0.0 };

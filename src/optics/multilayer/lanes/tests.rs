@@ -18,8 +18,8 @@ fn drawn(case: usize, random: &mut Xoshiro256PlusPlus) -> (Media, Period, f64) {
         || if random.random_bool(0.03) { *THICKNESSES.start() } else { random.random_range(0.0..400.0) };
     let period = Period { cuticle: thickness(), gap: thickness() };
     let mut media = Stack::default().media(500.0).unwrap();
-    media.cuticle.re = if case % 50 == 0 { 1.0 } else { random.random_range(1.0..2.6) };
-    media.base.re = if case % 2 == 0 { 1.0 } else { random.random_range(1.0..3.0) };
+    media.cuticle.re = if case.is_multiple_of(50) { 1.0 } else { random.random_range(1.0..2.6) };
+    media.base.re = if case.is_multiple_of(2) { 1.0 } else { random.random_range(1.0..3.0) };
     (media, period, angle)
 }
 
@@ -71,7 +71,7 @@ fn slopes_are_differences_of_the_values() {
     let wavenumbers = wavenumbers(21);
     for case in 0..400 {
         let layers = [1, 2, 3, 9, 16, 17][case % 6];
-        let rules = if case % 3 == 0 { Rules::Mean } else { Rules::Each };
+        let rules = if case.is_multiple_of(3) { Rules::Mean } else { Rules::Each };
         let (media, mut period, angle) = drawn(case, &mut random);
         (period.cuticle, period.gap) = (period.cuticle.max(1.0), period.gap.max(1.0));
         let angle = angle.min(1.4);
