@@ -15,10 +15,11 @@ use crate::optics::{Join, Media, ReflectivityModel, Stack};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Nodes from the axis of the cone to its edge: to 1e-4 of R for stacks of 3 µm and a numerical aperture of 0.9.
-const RADIAL: usize = 12;
+/// Nodes from the axis of the cone to its edge: so many, and so many times the square of the numerical aperture, as the
+/// phases of oblique rays fall behind. To 1e-4 of R for stacks of 2 µm.
+const RADIAL: [f64; 2] = [8.0, 56.0];
 /// Nodes around half of the cone; the other half is its mirror image in the plane of incidence.
-const AROUND: usize = 6;
+const AROUND: usize = 16;
 /// Nodes of the other averages: to 1e-4 of R where the width is below a quarter of a fringe.
 const ACROSS: usize = 7;
 /// Full width at half maximum of a normal distribution over its standard deviation.
@@ -158,7 +159,9 @@ struct Beam {
 /// Rays of a pupil that is evenly filled: even in the square of the sine, and in azimuth.
 fn rays(numerical_aperture: f64) -> Vec<Ray> {
     let mut rays = Vec::new();
-    for Node { at, share } in even(RADIAL) {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 63")]
+    let radial = (RADIAL[0] + RADIAL[1] * numerical_aperture * numerical_aperture).ceil() as usize;
+    for Node { at, share } in even(radial) {
         for step in 0..AROUND {
             #[allow(clippy::cast_precision_loss, reason = "a few nodes")]
             let azimuth = PI * (step as f64 + 0.5) / AROUND as f64;
