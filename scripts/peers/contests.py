@@ -218,7 +218,6 @@ def global_contests(folder, path):
 
     def all_cases(algorithm, local, told):
         def run():
-            nlopt.srand(1)
             sets = [(data, case["sigma"], limit) for data, case, limit in zip(columns, cases, accepted)]
             work = lambda: [search(y, sigma, algorithm, local, limit if told else None) for y, sigma, limit in sets]
             seconds, cpu, found = timed(work)
