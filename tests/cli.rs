@@ -389,6 +389,6 @@ fn model_auto_prints_its_table_and_leaves_a_fit_that_can_be_made_again() {
     for arguments in ["check blue.csv --model auto", "check blue.csv --settings auto.toml", "simulate --model auto"] {
         let ended = run(&folder, arguments);
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.out);
-        assert!(ended.err.contains("give --model blend or --model paper"), "{}", ended.err);
+        assert!(ended.err.contains("give --model blend, hybrid or paper"), "{}", ended.err);
     }
 }

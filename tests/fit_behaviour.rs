@@ -303,11 +303,20 @@ fn intensities_whose_squares_overflow_are_refused() {
 
 #[test]
 fn a_local_search_stays_where_it_began() {
-    let start = [Some(98.0), Some(89.0), None, None, None];
-    let local = FitSettings { search: Search::Local, start, ..FitSettings::default() };
-    let (near, global) = (quiet(&blue(0.01), &local).outcome, quiet(&blue(0.01), &FitSettings::default()).outcome);
+    // One spectrum along the ridges: the swap alias is a minimum of its own.
+    let (model, structure) = (BlendModel::default(), Structure::blue());
+    let data = simulate(&model, &structure, &[Scan::spectrum(90.0)], 1.0, 0.01, 5).unwrap();
+    let mut settings = FitSettings::default().with_role(Parameter::Delta, Role::Fixed { value: structure.delta });
+    for (parameter, value) in [(Parameter::PhiAlpha, 0.5), (Parameter::LamellaWidth, 300.0)] {
+        settings = settings.with_role(parameter, Role::Fixed { value });
+    }
+    let local =
+        FitSettings { search: Search::Local, start: [Some(98.0), Some(89.0), None, None, None], ..settings.clone() };
+    let (near, global) = (quiet(&data, &local).outcome, quiet(&data, &settings).outcome);
     assert!(global.chi2 < near.chi2, "the swap alias is a local minimum");
     assert_eq!(near.minima.len(), 1);
+    let found = near.minima[0].values;
+    assert!((found[0] - 98.0).abs() < 10.0 && (found[1] - 89.0).abs() < 10.0, "{found:?}");
 }
 
 #[test]

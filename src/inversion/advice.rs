@@ -139,7 +139,8 @@ impl From<ProspectError> for AdviceError {
 /// The first proposal has as many scans, up to three, as it takes to tell everything that is free; the others are the next
 /// best with a single scan. Candidates are spectra from 380 to 740 nm near the mirror direction at four incidences, in both
 /// planes, spectra of s and p polarization at 60°, and phi scans at several wavelengths and two incidences in three planes.
-/// Those that the data hold already are left out. Where the thicknesses are open the first scan is a spectrum. A new reading is taken to have the noise of the data, and the mean scale
+/// Those that the data hold already are left out. Where the thicknesses are open the first scan is a
+/// spectrum, and the first across the ridges at one wavelength has the shortest. A new reading is taken to have the noise of the data, and the mean scale
 /// and background of the curves; with a scale for each curve it has one of its own.
 ///
 /// Standard deviations are as good as the derivatives at the best fit: where a direction is open they are a median over
@@ -244,18 +245,33 @@ fn outlook(prospects: &[Prospects<'_>], scans: &[usize]) -> Option<Outlook> {
     prospects.iter().map(|prospects| prospects.with(scans)).collect()
 }
 
+/// Whether a scan lies in the plane along the ridges, where the lamellae are not seen.
+fn is_along(scan: &Scan) -> bool {
+    scan.omegas.iter().all(|omega| omega.cos().powi(2) < 1e-9)
+}
+
 /// Proposals for scans to choose from; where the thicknesses are `open` the first is a spectrum: at one wavelength many
 /// of them give the same colour, far beyond what derivatives at one structure show.
 fn propose(prospects: &[Prospects<'_>], scans: &[Scan], open: bool) -> Vec<Proposal> {
     let Some(before) = outlook(prospects, &[]) else { return Vec::new() };
+    // Across the ridges one wavelength may miss every order of a period that is not known: the shortest misses the fewest.
+    let line = |scan: &Scan| match scan.wavelengths.as_slice() {
+        [line] if !is_along(scan) => Some(*line),
+        _ => None,
+    };
+    let shortest = scans.iter().filter_map(line).fold(f64::INFINITY, f64::min);
+    let sure = |scan: &Scan| line(scan).is_none_or(|line| line <= shortest);
     let all: Vec<usize> = (0..scans.len()).collect();
+    let sure: Vec<usize> = all.iter().copied().filter(|&scan| !open || sure(&scans[scan])).collect();
     let is_spectrum = |scan: &usize| scans.get(*scan).is_some_and(|scan| scan.wavelengths.len() > 1);
     let first: Vec<usize> = all.iter().copied().filter(|scan| !open || is_spectrum(scan)).collect();
     let singles = extended(prospects, &before, &[], &first);
     let Some(first) = singles.first() else { return Vec::new() };
     let (mut together, mut expected) = (first.scans.clone(), first.outlook.clone());
     while together.len() < TOGETHER && !is_enough(prospects, &expected) {
-        let Some(next) = extended(prospects, &expected, &together, &all).into_iter().next() else { break };
+        let is_across = |scan: &usize| scans.get(*scan).is_some_and(|scan| !is_along(scan));
+        let from = if together.iter().any(is_across) { &all } else { &sure };
+        let Some(next) = extended(prospects, &expected, &together, from).into_iter().next() else { break };
         (together, expected) = (next.scans, next.outlook);
     }
     let best = (together.len() > 1).then_some((together, expected));

@@ -208,7 +208,7 @@ impl LinearPart {
         if !plan.is_empty() {
             self.add(&mut equations, curve, &sums);
         }
-        equations.gram.fill_upper_triangle_with_lower_triangle();
+        equations.complete();
         equations
     }
 
@@ -326,6 +326,11 @@ impl NormalEquations {
         nonnegative::solve(&self.gram, &self.right)
     }
 
+    /// Makes both triangles equal, after the last sums were added.
+    pub(crate) fn complete(&mut self) {
+        self.gram.fill_upper_triangle_with_lower_triangle();
+    }
+
     /// Back to no readings.
     pub(crate) fn clear(&mut self) {
         self.gram.fill(0.0);
@@ -343,7 +348,7 @@ impl NormalEquations {
                 if gram > 0.0 { self.square - right * right / gram } else { self.square }
             }
             _ => {
-                self.gram.fill_upper_triangle_with_lower_triangle();
+                self.complete();
                 return self.sum_of_squares(&self.solve());
             }
         };
