@@ -16,7 +16,7 @@ use crate::optics::stack::Media;
 use multiversion::multiversion;
 
 /// Wavelengths that go together: enough for vector code, few enough for the shortest spectra.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 
 type Block = [f64; BLOCK];
 
