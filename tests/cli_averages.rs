@@ -34,10 +34,57 @@ fn an_average_that_is_modelled_leaves_no_bias_and_one_that_is_not_is_flagged() {
     assert!((found.settings.averages.tilt_spread - 8.0_f64.to_radians()).abs() < 1e-15);
 }
 
+/// The data are a mean over 401 plane-wave simulations, made here: the program's own nodes have no part in them.
+#[test]
+fn the_mean_of_many_stacks_is_fitted_with_the_spread_of_its_period() {
+    use morpho_fit::dataset::{Dataset, Reading, to_csv};
+    use morpho_fit::optics::{BlendModel, Structure};
+    use morpho_fit::synthetic::{Scan, linspace, simulate};
+    use rand::{Rng, SeedableRng};
+    use rand_distr::StandardNormal;
+    let scan = Scan { wavelengths: linspace(380.0, 740.0, 73), ..Scan::spectrum(90.0) };
+    let (model, blue, spread) = (BlendModel::default(), Structure::blue(), 5.0);
+    let (mut sums, mut whole) = (vec![0.0; 73], 0.0);
+    for step in -200..=200 {
+        let x = f64::from(step) * 0.025;
+        let (share, factor) = ((-0.5 * x * x).exp(), 1.0 + spread * x / blue.period());
+        let one = Structure { d_air: factor * blue.d_air, d_cuticle: factor * blue.d_cuticle, ..blue };
+        let data = simulate(&model, &one, std::slice::from_ref(&scan), 1.0, 0.0, 1).unwrap();
+        whole += share;
+        for (sum, reading) in sums.iter_mut().zip(data.readings()) {
+            *sum += share * reading.intensity;
+        }
+    }
+    let data = simulate(&model, &blue, std::slice::from_ref(&scan), 1.0, 0.0, 1).unwrap();
+    let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(9);
+    let readings = data.readings().iter().zip(sums).map(|(reading, sum)| {
+        let noise: f64 = random.sample(StandardNormal);
+        Reading { intensity: sum / whole + 0.005 * noise, sigma: Some(0.005), ..*reading }
+    });
+    let data = Dataset::from_readings(readings.collect(), data.curves().to_vec()).unwrap();
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("mean.csv"), to_csv(&data, &[])).unwrap();
+    succeeds(&folder, &format!("mean.csv {KNOWN} --period-spread 5 --out with"));
+    let found = outcome(&folder, "with");
+    assert!(found.widened_by < 1.01 && found.chi2 < 130.0, "{}", found.chi2);
+    for (error, sigma) in errors(&found) {
+        assert!(error < 4.0 * sigma && sigma < 1.0, "{error} ± {sigma}");
+    }
+    let plain = succeeds(&folder, &format!("mean.csv {KNOWN} --out without"));
+    assert!(plain.out.starts_with("The model misses the data"), "{}", plain.out);
+}
+
 #[test]
 fn averages_out_of_range_are_refused() {
     let folder = TempDir::new().unwrap();
-    for flag in ["--numerical-aperture 1.2", "--bandwidth -3", "--tilt-spread 60", "--period-spread nan"] {
+    for flag in [
+        "--numerical-aperture 1.2",
+        "--bandwidth -3",
+        "--tilt-spread 60",
+        "--period-spread nan",
+        "--numerical-aperture 0.3 --tilt-spread 2",
+        "--model hybrid --tilt-spread 2",
+    ] {
         let ended = run(&folder, &format!("simulate {flag}"));
         assert_eq!(ended.code, 2, "{flag}: {}", ended.err);
     }

@@ -11,8 +11,8 @@ use tempfile::TempDir;
 #[test]
 fn data_of_the_hybrid_model_are_checked_fitted_and_drawn() {
     let folder = TempDir::new().unwrap();
-    succeeds(&folder, "simulate --model hybrid --ridge-spacing 700 --effective-index 0.9 --seed 4 --out made.csv");
-    let model = "--model hybrid --ridge-spacing 700 --effective-index 0.9";
+    succeeds(&folder, "simulate --model hybrid --ridge-spacing 700 --filling 0.9 --seed 4 --out made.csv");
+    let model = "--model hybrid --ridge-spacing 700 --filling 0.9";
     let checked = succeeds(&folder, &format!("check made.csv {model}"));
     assert!(checked.out.ends_with("Nothing more is needed.\n"), "{}", checked.out);
     let fitted = succeeds(&folder, &format!("made.csv {model}"));
@@ -55,7 +55,9 @@ fn choices_that_do_not_fit_the_hybrid_model_are_refused() {
         ("blue.csv --ridge-spacing 700", "add --model hybrid"),
         ("blue.csv --model hybrid --snell printed", "add --model paper"),
         ("blue.csv --model hybrid --ridge-spacing 0", "ridge spacing is 0 nm"),
-        ("blue.csv --effective-index 1.2", "--effective-index 1.2"),
+        ("blue.csv --filling 1.2", "--filling 1.2"),
+        ("blue.csv --model hybrid --ridge-spacing 300 --fix lamella_width=400", "ridges are 300 nm apart"),
+        ("blue.csv --model hybrid --tilt-spread 2", "tilt of the hybrid model"),
     ] {
         let ended = run(&folder, arguments);
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);

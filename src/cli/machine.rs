@@ -23,7 +23,7 @@ fn processor() -> String {
 fn vectors() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
-        if std::is_x86_feature_detected!("avx512f") {
+        if std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512dq") {
             return "AVX-512";
         }
         if std::is_x86_feature_detected!("avx2") {

@@ -10,7 +10,7 @@ use crate::{output, values};
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Constants, Dataset, ReadOptions, read_csv};
 use morpho_fit::inversion::{FitSettings, ModelChoice, Nuisances, Parameter, Role, Search};
-use morpho_fit::optics::{Averages, HybridModel, Material, ReflectivityModel, Stack, Structure};
+use morpho_fit::optics::{Averages, HybridModel, Material, OpticsError, ReflectivityModel, Stack, Structure};
 use morpho_fit::units::radians;
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -148,6 +148,7 @@ fn settings(args: &ProblemArgs) -> Result<FitSettings> {
         ..FitSettings::default()
     };
     roles(&mut settings, &args.parameters)?;
+    built(&settings)?;
     settings.validate()?;
     Ok(settings)
 }
@@ -196,13 +197,12 @@ pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
         gap: of(&args.n_gap, "--n-gap", usual.gap)?,
         base: of(&args.n_base, "--n-base", usual.base)?,
         layers: args.layers,
-        filling: args.effective_index,
+        filling: args.filling,
     };
-    if let Some(found) = args.effective_index.filter(|ratio| !(*ratio > 0.0 && *ratio <= 1.0)) {
-        return Err(Usage(format!(
-            "--effective-index {found}: the share of a layer that is cuticle is above 0, at most 1"
-        ))
-        .into());
+    if let Some(found) = args.filling.filter(|ratio| !(*ratio > 0.0 && *ratio <= 1.0)) {
+        return Err(
+            Usage(format!("--filling {found}: the share of a layer that is cuticle is above 0, at most 1")).into()
+        );
     }
     if !(1..=morpho_fit::optics::MAX_LAYERS).contains(&stack.layers) {
         let (found, most) = (stack.layers, morpho_fit::optics::MAX_LAYERS);
@@ -223,11 +223,18 @@ fn averages(args: &ModelArgs) -> Result<Averages> {
     Ok(averages)
 }
 
+fn built(settings: &FitSettings) -> Result<Box<dyn ReflectivityModel>> {
+    let usage = |problem: OpticsError| Usage(problem.to_string());
+    let model = settings.forward().map_err(usage)?;
+    model.validate().map_err(usage)?;
+    Ok(model)
+}
+
 /// The forward model that the flags name.
 pub(crate) fn forward(args: &ModelArgs) -> Result<Box<dyn ReflectivityModel>> {
     let settings =
         FitSettings { model: model(args)?, stack: stack(args)?, averages: averages(args)?, ..FitSettings::default() };
-    Ok(settings.forward()?)
+    built(&settings)
 }
 
 /// The preset that is named.
@@ -250,6 +257,12 @@ pub(crate) fn structure(args: &StructureArgs, base: Structure) -> Structure {
 }
 
 fn roles(settings: &mut FitSettings, args: &ParameterArgs) -> Result<(), Usage> {
+    if let (ModelChoice::Hybrid { ridge_spacing }, Role::Free { lower, upper }) =
+        (settings.model, &mut settings.roles[Parameter::LamellaWidth.index()])
+        && ridge_spacing > *lower
+    {
+        *upper = upper.min(ridge_spacing);
+    }
     let mut said: [Option<&str>; morpho_fit::inversion::COUNT] = Default::default();
     for (flag, list) in [("--fix", &args.fix), ("--bounds", &args.bounds), ("--link", &args.link)] {
         for &Given { parameter, role } in list {

@@ -109,7 +109,7 @@ fn of_the_model(args: &SubjectArgs) -> Option<&'static str> {
         ("--bandwidth", model.averages.bandwidth.is_some()),
         ("--period-spread", model.averages.period_spread.is_some()),
         ("--tilt-spread", model.averages.tilt_spread.is_some()),
-        ("--effective-index", model.effective_index.is_some()),
+        ("--filling", model.filling.is_some()),
         ("--layers", model.layers != LAYERS),
         ("--n-cuticle", model.n_cuticle.is_some()),
         ("--n-gap", model.n_gap.is_some()),

@@ -223,6 +223,14 @@ pub enum SettingsError {
         /// What cannot be, in words.
         what: &'static str,
     },
+    /// A lamella width beyond what the `hybrid` model has room for.
+    #[error("lamella_width may be {widest} nm, but the ridges are {ridge_spacing} nm apart: it must be at most that")]
+    WiderThanRidges {
+        /// Largest width that was given, nm.
+        widest: f64,
+        /// Distance of the ridges, nm.
+        ridge_spacing: f64,
+    },
     /// A weight of Model A that is no number of at least 0.
     #[error("the weight of Model A is {found}; it must be a finite number, at least 0")]
     Weight {
@@ -278,12 +286,20 @@ impl FitSettings {
                 }
             }
         }
-        if matches!(self.model, ModelChoice::Hybrid { .. }) {
+        if let ModelChoice::Hybrid { ridge_spacing } = self.model {
             if self.nuisances.weight != Weight::Fitted {
                 return Err(SettingsError::OneProduct { what: "a weight of one beside the other has no meaning" });
             }
             if self.parts != Parts::Both {
                 return Err(SettingsError::OneProduct { what: "neither of its parts can be there alone" });
+            }
+            let widest = match self.roles[Parameter::LamellaWidth.index()] {
+                Role::Free { upper, .. } => upper,
+                Role::Fixed { value } => value,
+                Role::Linked { .. } => 0.0,
+            };
+            if widest > ridge_spacing {
+                return Err(SettingsError::WiderThanRidges { widest, ridge_spacing });
             }
         }
         if let Weight::Fixed(found) = self.nuisances.weight

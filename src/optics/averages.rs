@@ -1,42 +1,51 @@
 //! What an instrument and a sample average over: a cone of light, a bandwidth, thicknesses and tilts that differ.
 //!
 //! ```text
-//! R = mean over the cone, the band, the spread  of  R(wavelength + w, thicknesses + t, angle)
+//! R = mean over the cone, the band, the spread  of  R(wavelength + w, period + t, angle)
 //! ```
 //!
 //! Each average is off until its width is above 0. They act on the stack of Model B, the sharpest function of the model; the
-//! lobe, which is itself a spread of tilts, and Model A are taken in the middle. Averages multiply: each costs its number
-//! of [nodes](Averages) times the stack.
+//! lobe, which is itself a spread of tilts, and Model A are taken in the middle. Indices are those of the middle of the band.
+//!
+//! Averages multiply, and each costs as many plane waves as it crosses fringes: their width is a share `1/M²` of the
+//! wavelength at the edge of a band, and the phases of oblique rays fall behind as the square of the aperture. The counts
+//! below hold R to 1e-3 (tests), most of it to 1e-4.
 
-use crate::numerics::quadrature::{Node, even, normal};
+use crate::numerics::quadrature::{Node, even, normal_steps};
 use crate::optics::error::{OpticsError, require};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
 use crate::optics::{Join, Media, ReflectivityModel, Stack};
+use crate::units::degrees;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
-/// Nodes from the axis of the cone to its edge: so many, and so many times the square of the numerical aperture, as the
-/// phases of oblique rays fall behind. To 1e-4 of R for stacks of 2 µm.
+/// Rays from the axis of the cone to its edge: so many, and so many times the square of the numerical aperture.
 const RADIAL: [f64; 2] = [8.0, 56.0];
-/// Nodes around half of the cone; the other half is its mirror image in the plane of incidence.
-const AROUND: usize = 16;
-/// Nodes of the other averages: to 1e-4 of R where the width is below a quarter of a fringe.
-const ACROSS: usize = 7;
+/// Rays around half of the cone, whose other half is its mirror image in the plane of incidence: so many, and so many times the
+/// numerical aperture and the sine of incidence.
+const AROUND: [f64; 2] = [16.0, 96.0];
+/// Steps over a normal distribution for each `M²` times its relative width.
+const STEPS: f64 = 15.0;
+/// Steps at least and at most.
+const FEWEST: usize = 16;
+const MOST: usize = 1024;
 /// Full width at half maximum of a normal distribution over its standard deviation.
 const WIDTH: f64 = 2.354_820_045_030_949;
+/// Step of the angle for the derivative of a ray's share of s, rad.
+const TURN: f64 = 1e-6;
 
 /// Widths that a reading is averaged over; 0 is no average.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Averages {
     /// Numerical aperture of the objective that lights and gathers, `n sin` of its outermost ray, about the direction of each
-    /// reading: 0 to 0.99 of the ambient medium's index. Its pupil is evenly filled, as the sine condition has it.
+    /// reading, 0 to 0.99. Its pupil is evenly filled, as the sine condition has it.
     pub numerical_aperture: f64,
-    /// Full width at half maximum of the instrument's band, nm; normal.
+    /// Full width at half maximum of the instrument's band, nm; normal. Over it the indices are those of its middle.
     pub bandwidth: f64,
     /// Standard deviation of the period over the spot, nm; both layers in proportion; normal.
     pub period_spread: f64,
-    /// Standard deviation of the tilt over the spot, rad; normal.
+    /// Standard deviation of the tilt over the spot, rad; normal. Not beside a numerical aperture.
     pub tilt_spread: f64,
 }
 
@@ -51,13 +60,16 @@ impl Averages {
     ///
     /// # Errors
     /// [`OpticsError::OutOfRange`] for a numerical aperture outside 0 to 0.99, a bandwidth or spread outside 0 to 200 nm, or a
-    /// spread of the tilt outside 0 to 0.5 rad.
+    /// spread of the tilt outside 0 to 0.5 rad, or above 0 beside a numerical aperture.
     pub fn validate(&self) -> Result<(), OpticsError> {
         let Self { numerical_aperture, bandwidth, period_spread, tilt_spread } = *self;
         require((0.0..=0.99).contains(&numerical_aperture), "numerical aperture", numerical_aperture, "", "0 to 0.99")?;
         require((0.0..=200.0).contains(&bandwidth), "bandwidth", bandwidth, "nm", "0 to 200")?;
         require((0.0..=200.0).contains(&period_spread), "spread of the period", period_spread, "nm", "0 to 200")?;
-        require((0.0..=0.5).contains(&tilt_spread), "spread of the tilt", tilt_spread, "rad", "0 to 0.5")
+        let tilt = degrees(tilt_spread);
+        require((0.0..=0.5).contains(&tilt_spread), "spread of the tilt", tilt, "deg", "0 to 28.6")?;
+        let one = numerical_aperture <= 0.0 || tilt_spread <= 0.0;
+        require(one, "spread of the tilt beside a numerical aperture", tilt, "deg", "0")
     }
 }
 
@@ -76,26 +88,21 @@ impl Averages {
 pub struct AveragedModel {
     model: Box<dyn ReflectivityModel>,
     averages: Averages,
-    /// Products of the nodes of band, period and tilt.
-    shifts: Vec<Shift>,
-    /// Rays of the cone, ring by ring.
-    rays: Vec<Ray>,
+    /// Square of the sine of each ring of rays over that of the outermost, with its share.
+    rings: Vec<Node>,
 }
 
+/// One plane wave of a reading.
 #[derive(Debug, Clone, Copy)]
-struct Shift {
-    wavelength: f64,
-    period: f64,
-    tilt: f64,
-    share: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Ray {
-    /// Sine of the angle from the axis times the index of the ambient medium.
-    aperture: f64,
-    /// Cosine of the azimuth from the plane of incidence.
-    cos_azimuth: f64,
+struct Beam {
+    /// Angle from the normal of the layers in the ambient medium, rad.
+    angle: f64,
+    /// Its derivative by the angle of the cone's axis.
+    slope: f64,
+    /// Share of the light of either polarization that is the same of the ray itself; the rest is the other.
+    own: f64,
+    /// Its derivative by the angle of the cone's axis, 1/rad.
+    own_slope: f64,
     share: f64,
 }
 
@@ -103,74 +110,96 @@ impl AveragedModel {
     /// `model` averaged over `averages`.
     ///
     /// # Errors
-    /// As [`Averages::validate`].
+    /// As [`Averages::validate`], and for a spread of the tilt of a model whose tilt moves the lobe alone.
     pub fn new(model: Box<dyn ReflectivityModel>, averages: Averages) -> Result<Self, OpticsError> {
         averages.validate()?;
-        let across = |width: f64| if width > 0.0 { normal(ACROSS) } else { normal(1) };
-        let mut shifts = Vec::new();
-        for band in across(averages.bandwidth) {
-            for period in across(averages.period_spread) {
-                for tilt in across(averages.tilt_spread) {
-                    shifts.push(Shift {
-                        wavelength: band.at * averages.bandwidth / WIDTH,
-                        period: period.at * averages.period_spread,
-                        tilt: tilt.at * averages.tilt_spread,
-                        share: band.share * period.share * tilt.share,
-                    });
-                }
+        let tilted = model.join() == Join::Planes || averages.tilt_spread <= 0.0;
+        require(tilted, "spread of the tilt of the hybrid model", degrees(averages.tilt_spread), "deg", "0")?;
+        let radial = RADIAL[0] + RADIAL[1] * averages.numerical_aperture * averages.numerical_aperture;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 63")]
+        let rings = even(radial.ceil() as usize);
+        Ok(Self { model, averages, rings })
+    }
+
+    /// Steps over a normal distribution whose width is `relative` to the wavelength or period.
+    fn steps(&self, relative: f64) -> Vec<Node> {
+        if relative <= 0.0 {
+            return vec![Node { at: 0.0, share: 1.0 }];
+        }
+        #[allow(clippy::cast_precision_loss, reason = "a layer count is small")]
+        let needed = (STEPS * (self.model.stack().layers as f64).powi(2) * relative).ceil();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1024")]
+        let needed = needed.min(MOST as f64) as usize;
+        // Powers of two: a count that follows the structure would put steps into what is fitted.
+        normal_steps(needed.max(FEWEST).next_power_of_two() + 1)
+    }
+
+    /// The plane waves about `angle` for each tilt and ray.
+    fn beams(&self, media: &Media, angle: f64) -> Vec<Beam> {
+        let aperture = self.averages.numerical_aperture;
+        if aperture > 0.0 {
+            return self.cone(media, angle, aperture);
+        }
+        let spread = self.averages.tilt_spread;
+        // Relative change of the optical path with the angle, to second order.
+        let relative = spread * angle.tan().abs().min(20.0) + spread * spread;
+        let beam = |node: Node| Beam {
+            angle: angle - node.at * spread,
+            slope: 1.0,
+            own: 1.0,
+            own_slope: 0.0,
+            share: node.share,
+        };
+        self.steps(relative).into_iter().map(beam).collect()
+    }
+
+    fn cone(&self, media: &Media, angle: f64, aperture: f64) -> Vec<Beam> {
+        let sine = |ring: &Node| (aperture / media.ambient * (0.5 * (1.0 + ring.at)).sqrt()).min(1.0);
+        if angle.sin().abs() < f64::EPSILON {
+            // All azimuths are one, with half of either polarization; what one side gains by a turn the other loses.
+            let beam = |ring: &Node| Beam {
+                angle: sine(ring).asin(),
+                slope: 0.0,
+                own: 0.5,
+                own_slope: 0.0,
+                share: ring.share,
+            };
+            return self.rings.iter().map(beam).collect();
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 128")]
+        let around = (AROUND[0] + AROUND[1] * aperture * angle.sin().abs()).ceil() as usize;
+        let around = around.next_power_of_two();
+        let mut beams = Vec::with_capacity(around * self.rings.len());
+        for ring in &self.rings {
+            for step in 0..around {
+                #[allow(clippy::cast_precision_loss, reason = "a few rays")]
+                let (azimuth, share) = (PI * (step as f64 + 0.5) / around as f64, ring.share / around as f64);
+                let [(below, own_below), (at, own), (above, own_above)] =
+                    [angle - TURN, angle, angle + TURN].map(|angle| ray(angle, sine(ring), azimuth));
+                let (slope, own_slope) = ((above - below) / (2.0 * TURN), (own_above - own_below) / (2.0 * TURN));
+                beams.push(Beam { angle: at, slope, own, own_slope, share });
             }
         }
-        Ok(Self { model, averages, shifts, rays: rays(averages.numerical_aperture) })
-    }
-
-    /// The rays about `angle`; those of equal angle are one at normal incidence.
-    fn beams(&self, media: &Media, angle: f64) -> Vec<Beam> {
-        if self.averages.numerical_aperture <= 0.0 {
-            return vec![Beam { angle, slope: 1.0, share: 1.0 }];
-        }
-        let (sin, cos) = angle.sin_cos();
-        let of = |ray: &Ray| {
-            let sin_ray = (ray.aperture / media.ambient).min(1.0);
-            let cos_ray = (1.0 - sin_ray * sin_ray).sqrt();
-            let beam = (cos * cos_ray + sin * sin_ray * ray.cos_azimuth).clamp(-1.0, 1.0).acos();
-            let slope = (sin * cos_ray - cos * sin_ray * ray.cos_azimuth) / beam.sin().max(f64::MIN_POSITIVE);
-            Beam { angle: beam, slope, share: ray.share }
-        };
-        if sin.abs() < f64::EPSILON {
-            // All azimuths are one: the rays come in rings, whose slopes cancel.
-            let ring =
-                |rays: &[Ray]| Beam { slope: 0.0, share: rays.iter().map(|ray| ray.share).sum(), ..of(&rays[0]) };
-            return self.rays.chunks(AROUND).map(ring).collect();
-        }
-        self.rays.iter().map(of).collect()
+        beams
     }
 }
 
-/// One plane wave of a cone.
-#[derive(Debug, Clone, Copy)]
-struct Beam {
-    /// Angle from the normal of the layers in the ambient medium, rad.
-    angle: f64,
-    /// Its derivative by the angle of the cone's axis.
-    slope: f64,
-    share: f64,
-}
-
-/// Rays of a pupil that is evenly filled: even in the square of the sine, and in azimuth.
-fn rays(numerical_aperture: f64) -> Vec<Ray> {
-    let mut rays = Vec::new();
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 63")]
-    let radial = (RADIAL[0] + RADIAL[1] * numerical_aperture * numerical_aperture).ceil() as usize;
-    for Node { at, share } in even(radial) {
-        for step in 0..AROUND {
-            #[allow(clippy::cast_precision_loss, reason = "a few nodes")]
-            let azimuth = PI * (step as f64 + 0.5) / AROUND as f64;
-            let aperture = numerical_aperture * (0.5 * (1.0 + at)).sqrt();
-            #[allow(clippy::cast_precision_loss, reason = "a few nodes")]
-            rays.push(Ray { aperture, cos_azimuth: azimuth.cos(), share: share / AROUND as f64 });
-        }
-    }
-    rays
+/// Angle from the layers' normal of the ray of `azimuth` whose angle from the axis has the sine `sine`, and the share of its
+/// light that is s there if the pupil is lit with s, or p if with p; the axis is at `angle`.
+fn ray(angle: f64, sine: f64, azimuth: f64) -> (f64, f64) {
+    let ((sin, cos), cosine) = (angle.sin_cos(), (1.0 - sine * sine).sqrt());
+    let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();
+    // Frame: the layers' normal is z, the axis (sin, 0, cos), x' = (-cos, 0, sin) and y across the plane of incidence.
+    let direction =
+        [sine * cos_azimuth * -cos + cosine * sin, sine * sin_azimuth, cosine * cos + sine * cos_azimuth * sin];
+    let polar =
+        [cosine * cos_azimuth * -cos - sine * sin, cosine * sin_azimuth, cosine * cos_azimuth * sin - sine * cos];
+    let azimuthal = [sin_azimuth * cos, cos_azimuth, -sin_azimuth * sin];
+    // An objective turns each ray's field about the azimuthal direction: the pupil's y is cos and sin of the azimuth in the two.
+    let field: [f64; 3] = std::array::from_fn(|axis| cos_azimuth * azimuthal[axis] + sin_azimuth * polar[axis]);
+    let across = direction[0].hypot(direction[1]);
+    let along_s = if across > 0.0 { (field[1] * direction[0] - field[0] * direction[1]) / across } else { 1.0 };
+    (across.atan2(direction[2]), along_s * along_s)
 }
 
 /// Both layers of a period longer by `by` nm in proportion, and the derivative of the factor by either thickness.
@@ -182,6 +211,27 @@ fn longer(period: Period, by: f64) -> (Period, f64, f64) {
     }
     let slope = -by / (whole * whole);
     (Period { cuticle: period.cuticle * factor, gap: period.gap * factor }, factor, slope)
+}
+
+/// The wavenumbers of wavelengths longer by `by` nm.
+fn shifted(wavenumbers: &[f64], by: f64) -> Vec<f64> {
+    wavenumbers.iter().map(|k| k / (1.0 + by * k / TAU).max(0.1)).collect()
+}
+
+impl AveragedModel {
+    /// Shifts of wavelength and period, nm, with their shares.
+    fn shifts(&self, wavenumbers: &[f64], period: Period) -> Vec<(f64, f64, f64)> {
+        let shortest = TAU / wavenumbers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let (band, spread) = (self.averages.bandwidth / WIDTH, self.averages.period_spread);
+        let periods = self.steps(spread / (period.cuticle + period.gap).max(1.0));
+        let mut shifts = Vec::new();
+        for band_node in self.steps(band / shortest) {
+            for node in &periods {
+                shifts.push((band_node.at * band, node.at * spread, band_node.share * node.share));
+            }
+        }
+        shifts
+    }
 }
 
 impl ReflectivityModel for AveragedModel {
@@ -212,7 +262,7 @@ impl ReflectivityModel for AveragedModel {
 
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
         let mut mean = [SAndP::default()];
-        self.stack_reflectivities(media, &[std::f64::consts::TAU / media.wavelength], period, angle, &mut mean)?;
+        self.stack_reflectivities(media, &[TAU / media.wavelength], period, angle, &mut mean)?;
         Ok(mean[0])
     }
 
@@ -226,15 +276,16 @@ impl ReflectivityModel for AveragedModel {
     ) -> Result<(), OpticsError> {
         out.fill(SAndP::default());
         let mut one = vec![SAndP::default(); wavenumbers.len()];
-        for shift in &self.shifts {
-            let (period, ..) = longer(period, shift.period);
-            let shifted = shifted(wavenumbers, shift.wavelength);
-            for beam in self.beams(media, angle - shift.tilt) {
+        let beams = self.beams(media, angle);
+        for (band, longer_by, share) in self.shifts(wavenumbers, period) {
+            let (period, ..) = longer(period, longer_by);
+            let shifted = shifted(wavenumbers, band);
+            for beam in &beams {
                 self.model.stack_reflectivities(media, &shifted, period, beam.angle, &mut one)?;
-                let share = beam.share * shift.share;
+                let (own, other) = (share * beam.share * beam.own, share * beam.share * (1.0 - beam.own));
                 for (out, one) in out.iter_mut().zip(&one) {
-                    out.s += share * one.s;
-                    out.p += share * one.p;
+                    out.s += own * one.s + other * one.p;
+                    out.p += own * one.p + other * one.s;
                 }
             }
         }
@@ -251,26 +302,34 @@ impl ReflectivityModel for AveragedModel {
     ) -> bool {
         out.fill(StackSlopes::default());
         let mut one = vec![StackSlopes::default(); wavenumbers.len()];
-        for shift in &self.shifts {
-            let (longer, factor, slope) = longer(period, shift.period);
-            let shifted = shifted(wavenumbers, shift.wavelength);
-            for beam in self.beams(media, angle - shift.tilt) {
-                if !self.model.stack_slopes(media, &shifted, longer, beam.angle, &mut one) {
+        let mut values = vec![SAndP::default(); wavenumbers.len()];
+        let beams = self.beams(media, angle);
+        for (band, longer_by, share) in self.shifts(wavenumbers, period) {
+            let (longer, factor, slope) = longer(period, longer_by);
+            let shifted = shifted(wavenumbers, band);
+            for beam in &beams {
+                if !self.model.stack_slopes(media, &shifted, longer, beam.angle, &mut one)
+                    || self.model.stack_reflectivities(media, &shifted, longer, beam.angle, &mut values).is_err()
+                {
                     return false;
                 }
-                let share = beam.share * shift.share;
-                for (out, one) in out.iter_mut().zip(&one) {
+                let share = share * beam.share;
+                let mixed = |both: &SAndP| SAndP {
+                    s: share * (beam.own * both.s + (1.0 - beam.own) * both.p),
+                    p: share * (beam.own * both.p + (1.0 - beam.own) * both.s),
+                };
+                for ((out, one), value) in out.iter_mut().zip(&one).zip(&values) {
+                    let (cuticle, gap, turned) = (mixed(&one.cuticle), mixed(&one.gap), mixed(&one.angle));
                     // Either thickness also changes the factor of both.
-                    let common = |part: fn(&SAndP) -> f64| {
-                        slope * (period.cuticle * part(&one.cuticle) + period.gap * part(&one.gap))
-                    };
-                    let (common_s, common_p) = (common(|both| both.s), common(|both| both.p));
-                    out.cuticle.s += share * (factor * one.cuticle.s + common_s);
-                    out.cuticle.p += share * (factor * one.cuticle.p + common_p);
-                    out.gap.s += share * (factor * one.gap.s + common_s);
-                    out.gap.p += share * (factor * one.gap.p + common_p);
-                    out.angle.s += share * beam.slope * one.angle.s;
-                    out.angle.p += share * beam.slope * one.angle.p;
+                    let common_s = slope * (period.cuticle * cuticle.s + period.gap * gap.s);
+                    let common_p = slope * (period.cuticle * cuticle.p + period.gap * gap.p);
+                    out.cuticle.s += factor * cuticle.s + common_s;
+                    out.cuticle.p += factor * cuticle.p + common_p;
+                    out.gap.s += factor * gap.s + common_s;
+                    out.gap.p += factor * gap.p + common_p;
+                    let exchanged = share * beam.own_slope * (value.s - value.p);
+                    out.angle.s += beam.slope * turned.s + exchanged;
+                    out.angle.p += beam.slope * turned.p - exchanged;
                 }
             }
         }
@@ -278,117 +337,5 @@ impl ReflectivityModel for AveragedModel {
     }
 }
 
-/// The wavenumbers of wavelengths longer by `by` nm.
-fn shifted(wavenumbers: &[f64], by: f64) -> Vec<f64> {
-    wavenumbers.iter().map(|k| k / (1.0 + by * k / std::f64::consts::TAU).max(0.1)).collect()
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::optics::BlendModel;
-    use approx::assert_abs_diff_eq;
-
-    const PERIOD: Period = Period { cuticle: 62.0, gap: 141.0 };
-
-    fn averaged(averages: Averages) -> AveragedModel {
-        AveragedModel::new(Box::new(BlendModel::default()), averages).unwrap()
-    }
-
-    fn blend(wavelength: f64, period: Period, angle: f64) -> f64 {
-        let model = BlendModel::default();
-        model.stack_reflectivity(&model.stack.media(wavelength).unwrap(), period, angle).unwrap().mean()
-    }
-
-    fn mean_of(averages: Averages, wavelength: f64, angle: f64) -> f64 {
-        let model = averaged(averages);
-        model.stack_reflectivity(&model.stack().media(wavelength).unwrap(), PERIOD, angle).unwrap().mean()
-    }
-
-    #[test]
-    fn no_average_changes_nothing() {
-        for angle in [0.0, 0.4] {
-            assert_abs_diff_eq!(
-                mean_of(Averages::default(), 480.0, angle),
-                blend(480.0, PERIOD, angle),
-                epsilon = 1e-14
-            );
-        }
-        assert!(Averages::default().is_none());
-    }
-
-    /// Against a sum over 400 × 400 even places, or 4001 places of the normal distribution to six deviations.
-    #[test]
-    fn each_average_is_that_of_a_fine_sum() {
-        let normal = |function: &dyn Fn(f64) -> f64| {
-            let places = (-2000..=2000).map(|i| f64::from(i) * 3e-3);
-            let (sum, weight) = places.fold((0.0, 0.0), |(sum, weight), x| {
-                let own = (-0.5 * x * x).exp();
-                (sum + own * function(x), weight + own)
-            });
-            sum / weight
-        };
-        for wavelength in [430.0, 480.0, 520.0] {
-            let band = Averages { bandwidth: 5.0, ..Averages::default() };
-            let fine = normal(&|x| blend(wavelength + x * 5.0 / WIDTH, PERIOD, 0.2));
-            assert_abs_diff_eq!(mean_of(band, wavelength, 0.2), fine, epsilon = 1e-4);
-            let spread = Averages { period_spread: 3.0, ..Averages::default() };
-            let fine = normal(&|x| blend(wavelength, longer(PERIOD, 3.0 * x).0, 0.2));
-            assert_abs_diff_eq!(mean_of(spread, wavelength, 0.2), fine, epsilon = 1e-4);
-            let tilt = Averages { tilt_spread: 0.05, ..Averages::default() };
-            let fine = normal(&|x| blend(wavelength, PERIOD, 0.2 - 0.05 * x));
-            assert_abs_diff_eq!(mean_of(tilt, wavelength, 0.2), fine, epsilon = 1e-4);
-            for angle in [0.0, 0.3_f64] {
-                let cone = Averages { numerical_aperture: 0.75, ..Averages::default() };
-                let mut fine = 0.0;
-                for ring in 0..400 {
-                    let sin = 0.75 * ((f64::from(ring) + 0.5) / 400.0).sqrt();
-                    for step in 0..400 {
-                        let azimuth = PI * (f64::from(step) + 0.5) / 400.0;
-                        let cos = angle.cos() * (1.0 - sin * sin).sqrt() + angle.sin() * sin * azimuth.cos();
-                        fine += blend(wavelength, PERIOD, cos.acos()) / 160_000.0;
-                    }
-                }
-                assert_abs_diff_eq!(mean_of(cone, wavelength, angle), fine, epsilon = 1e-4);
-            }
-        }
-    }
-
-    #[test]
-    fn slopes_are_differences_of_the_means() {
-        let averages = Averages { numerical_aperture: 0.4, bandwidth: 4.0, period_spread: 5.0, tilt_spread: 0.03 };
-        let model = averaged(averages);
-        let media = model.stack().media(480.0).unwrap();
-        let wavenumbers = [std::f64::consts::TAU / 470.0, std::f64::consts::TAU / 500.0];
-        let at = |period: Period, angle: f64| {
-            let mut out = [SAndP::default(); 2];
-            model.stack_reflectivities(&media, &wavenumbers, period, angle, &mut out).unwrap();
-            out
-        };
-        let mut found = [StackSlopes::default(); 2];
-        assert!(model.stack_slopes(&media, &wavenumbers, PERIOD, 0.25, &mut found));
-        let step = 1e-3;
-        let moved = |cuticle, gap| Period { cuticle: PERIOD.cuticle + cuticle, gap: PERIOD.gap + gap };
-        for (i, found) in found.iter().enumerate() {
-            let slope = |above: [SAndP; 2], below: [SAndP; 2], step: f64| (above[i].p - below[i].p) / (2.0 * step);
-            let cuticle = slope(at(moved(step, 0.0), 0.25), at(moved(-step, 0.0), 0.25), step);
-            let gap = slope(at(moved(0.0, step), 0.25), at(moved(0.0, -step), 0.25), step);
-            let angle = slope(at(PERIOD, 0.25 + 1e-5), at(PERIOD, 0.25 - 1e-5), 1e-5);
-            assert_abs_diff_eq!(found.cuticle.p, cuticle, epsilon = 1e-7);
-            assert_abs_diff_eq!(found.gap.p, gap, epsilon = 1e-7);
-            assert_abs_diff_eq!(found.angle.p, angle, epsilon = 1e-6);
-        }
-    }
-
-    #[test]
-    fn widths_out_of_range_are_errors() {
-        for averages in [
-            Averages { numerical_aperture: 1.2, ..Averages::default() },
-            Averages { bandwidth: -1.0, ..Averages::default() },
-            Averages { period_spread: f64::NAN, ..Averages::default() },
-            Averages { tilt_spread: 1.0, ..Averages::default() },
-        ] {
-            assert!(averages.validate().is_err(), "{averages:?}");
-        }
-    }
-}
+mod tests;

@@ -10,8 +10,8 @@
 //!
 //! [`BlendModel`] is the paper's structure with its physics put right, [`PaperModel`] the printed formulas.
 //! [`HybridModel`] is one product that holds both planes. Each is a [`ReflectivityModel`], whose terms are named
-//! [`Contribution`]s. What is left out: scattering between ridges,
-//! roughness, and the finite aperture of source and detector.
+//! [`Contribution`]s. [`AveragedModel`] takes the mean of any of them over what an instrument or a sample averages. What is
+//! left out: scattering between ridges, roughness, and layers that differ within one stack.
 
 mod averages;
 mod blend;

@@ -6,13 +6,13 @@
 //! <R> = sum_i w_i R(theta_i),   sin²(theta_i) = u_i    u_i, w_i even over 0 to NA²: an aperture filled with light
 //! ```
 
+use crate::numerics::quadrature;
 use crate::optics::multilayer::{Period, reflectivities};
 use crate::optics::{OpticsError, Stack, Structure};
 use crate::spectrum::Wavelengths;
 use crate::tradeoff::colours::Eye;
 use crate::tradeoff::timing::{Method, seconds};
 use crate::tradeoff::{Clock, Diagram, Point, Series, Settings, TradeoffError};
-use nalgebra::DMatrix;
 use std::hint::black_box;
 
 /// Standard deviation of the air gaps, nm: all gaps of a scale together.
@@ -30,32 +30,14 @@ const ENDS: f64 = 2.5;
 /// Nodes and weights, whose sum is 1.
 pub(crate) type Nodes = Vec<(f64, f64)>;
 
-/// Gauss's nodes from the recurrence of the orthogonal polynomials, whose coefficients are `beta(k)`, `k >= 1`.
-///
-/// # Source
-/// Golub and Welsch 1969, DOI 10.1090/S0025-5718-69-99647-1.
-fn gauss(count: usize, beta: impl Fn(f64) -> f64) -> Nodes {
-    let mut matrix = DMatrix::zeros(count, count);
-    for k in 1..count {
-        #[allow(clippy::cast_precision_loss, reason = "a count of nodes is small")]
-        let beta = beta(k as f64).sqrt();
-        (matrix[(k, k - 1)], matrix[(k - 1, k)]) = (beta, beta);
-    }
-    let eigen = matrix.symmetric_eigen();
-    let mut nodes: Nodes = (0..count).map(|j| (eigen.eigenvalues[j], eigen.eigenvectors[(0, j)].powi(2))).collect();
-    nodes.sort_by(|one, other| one.0.total_cmp(&other.0));
-    nodes
-}
-
 /// Gauss's nodes for the standard normal density.
 pub(crate) fn normal(count: usize) -> Nodes {
-    gauss(count, |k| k)
+    quadrature::normal(count).into_iter().map(|node| (node.at, node.share)).collect()
 }
 
 /// Gauss's nodes for an even density from 0 to 1.
 fn even(count: usize) -> Nodes {
-    let nodes = gauss(count, |k| k * k / (4.0 * k * k - 1.0));
-    nodes.into_iter().map(|(node, weight)| (0.5 * (node + 1.0), weight)).collect()
+    quadrature::even(count).into_iter().map(|node| (0.5 * (node.at + 1.0), node.share)).collect()
 }
 
 /// Midpoints of equal steps from 0 to 1.

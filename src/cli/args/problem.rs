@@ -80,10 +80,10 @@ pub(crate) struct ModelArgs {
     /// Distance of the ridges in the `hybrid` model, nm, 1 to 1000000 [default: 750].
     #[arg(long, value_name = "NM", value_parser = values::number, allow_negative_numbers = true)]
     pub(crate) ridge_spacing: Option<f64>,
-    /// Give the layers the index sqrt(1 + RATIO (n² - 1)) that wide light sees of ridges in air; RATIO is the share of a layer
+    /// Give the layers the index sqrt(1 + SHARE (n² - 1)) that wide light sees of ridges in air; SHARE is that of a layer
     /// that is cuticle, lamella width over distance of the ridges, above 0, at most 1 [default: whole layers].
-    #[arg(long, value_name = "RATIO", value_parser = values::number, allow_negative_numbers = true)]
-    pub(crate) effective_index: Option<f64>,
+    #[arg(long, value_name = "SHARE", value_parser = values::number, allow_negative_numbers = true)]
+    pub(crate) filling: Option<f64>,
     /// Number of cuticle layers, 1 to 100000.
     #[arg(long, value_name = "COUNT", default_value_t = LAYERS)]
     pub(crate) layers: usize,

@@ -1,9 +1,8 @@
 //! Model B's stack: reflectivity of `ambient | (cuticle, gap) × layers | base` (paper section 2.3).
 //!
-//! Three forms of the same physics. [`intensity`] is the paper's recurrence as printed, for real indices.
-//! [`periodic`] is the closed form of the periodic stack, for real indices and any number of layers at the same cost.
-//! In vector registers it gives a
-//! whole spectrum at once: [`reflectivities`]. [`amplitude`] carries the complex fields through any list of layers.
+//! Three forms of the same physics. [`intensity`] is the paper's recurrence as printed, for real indices. [`periodic`] is the
+//! closed form of the periodic stack, for real indices and any number of layers at the same cost; [`reflectivities`] is the
+//! same for a whole spectrum at once, in vector code. [`amplitude`] carries the complex fields through any list of layers.
 //! [`reflectivity`] picks the cheapest that holds.
 
 pub mod amplitude;
