@@ -319,6 +319,27 @@ fn a_local_search_stays_where_it_began() {
     assert!((found[0] - 98.0).abs() < 10.0 && (found[1] - 89.0).abs() < 10.0, "{found:?}");
 }
 
+/// One curve of four with 1.7 times its noise: the chi² of all hides it, its own does not.
+#[test]
+fn one_curve_beyond_its_noise_is_named_and_widens_the_intervals() {
+    let data = blue(0.01);
+    let loud = changed(&data, |index, reading| {
+        if reading.curve == 0 {
+            // No pattern that neighbours share: + + - + - - and so on, from the golden ratio.
+            let sign = if (0.618_033_988_749_895 * (index + 1) as f64).fract() < 0.5 { 1.0 } else { -1.0 };
+            reading.intensity += 1.4 * sign * reading.sigma.unwrap();
+        }
+    });
+    let (quiet_one, found) =
+        (quiet(&data, &FitSettings::default()).outcome, quiet(&loud, &FitSettings::default()).outcome);
+    assert_eq!(quiet_one.sigma_source, SigmaSource::Stated);
+    let named = format!("the model misses the data in curve {}", data.curves()[0]);
+    assert!(found.warnings[0].starts_with(&named), "{:?}", found.warnings);
+    assert_eq!(found.sigma_source, SigmaSource::Widened);
+    // The chi² of all readings alone would not have been flagged: 3.7 deviations of 166 degrees of freedom are 239.
+    assert!(found.chi2 < 239.0 && found.widened_by > 1.0, "{} {}", found.chi2, found.widened_by);
+}
+
 #[test]
 fn settings_that_cannot_be_are_named() {
     let bounds = FitSettings::default().with_role(Parameter::DAir, Role::Free { lower: 200.0, upper: 100.0 });

@@ -344,8 +344,13 @@ impl NormalEquations {
             0 => self.square,
             1 => {
                 // One coefficient: the projection, if it is above 0.
-                let (gram, right) = (self.gram[(0, 0)], self.right[0].max(0.0));
-                if gram > 0.0 { self.square - right * right / gram } else { self.square }
+                let (gram, right) = (self.gram[(0, 0)], self.right[0]);
+                if gram > 0.0 && right > 0.0 {
+                    self.square - right * right / gram
+                } else {
+                    // Nothing is taken away, and where the model has no value there is no sum: 0 · NaN is NaN.
+                    self.square + 0.0 * (gram + right)
+                }
             }
             _ => {
                 self.complete();

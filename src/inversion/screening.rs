@@ -154,6 +154,14 @@ mod tests {
             let whole = linear.normal_equations(&plan, terms.view(), &[]);
             let expected = whole.sum_of_squares(&whole.solve());
             assert_relative_eq!(equations.best_sum_of_squares(), expected, max_relative = 1e-10);
+
+            // Where the model has no value there is no sum, however many coefficients there are.
+            let mut none = terms.clone();
+            none.stack.fill(f64::NAN);
+            let multilayer = screening.multilayer(none.view());
+            equations.clear();
+            screening.join(&lamella, &multilayer, |curve, sums| linear.add(&mut equations, curve, sums));
+            assert!(equations.best_sum_of_squares().is_infinite(), "{scale:?}");
         }
     }
 }

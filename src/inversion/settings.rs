@@ -90,9 +90,9 @@ pub enum Search {
     Local,
 }
 
-/// How the reflectivity of the stack is differentiated by thicknesses and tilt.
+/// How stack and lamellae are differentiated by thicknesses, tilt and width.
 ///
-/// The other factors of the model cost little and are differentiated by central differences in either case.
+/// The lobe costs little and is differentiated by central differences in either case.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Derivative {

@@ -161,7 +161,7 @@ pub(crate) struct NuisanceArgs {
     /// Search from the start alone: quick, and blind to every other minimum.
     #[arg(long)]
     pub(crate) local: bool,
-    /// How the reflectivity of the stack is differentiated.
+    /// How stack and lamellae are differentiated.
     #[arg(long, value_name = "WORD", default_value = "exact")]
     pub(crate) derivative: DerivativeWord,
     /// Another minimum fits as well if its chi² is above the best by at most this, in standard deviations squared.
