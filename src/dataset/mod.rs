@@ -90,6 +90,7 @@ pub struct Dataset {
     curves: Vec<String>,
     notes: Vec<String>,
     sha256: String,
+    middle_wavelength: f64,
 }
 
 impl Dataset {
@@ -151,15 +152,30 @@ impl Dataset {
             found.push(None, None, FindingKind::UnusedCurve { name: findings::excerpt(name) });
         }
         found.finish()?;
-        let mut dataset = Self { readings, curves, notes: Vec::new(), sha256: String::new() };
+        let mut dataset = Self::checked(readings, curves, Vec::new(), String::new());
         dataset.sha256 = hex_sha256(&to_csv(&dataset, &[]));
         Ok(dataset)
+    }
+
+    fn checked(readings: Vec<Reading>, curves: Vec<String>, notes: Vec<String>, sha256: String) -> Self {
+        let mut wavelengths: Vec<f64> = readings.iter().map(|reading| reading.wavelength).collect();
+        let half = wavelengths.len() / 2;
+        // There is at least one reading; no choice of a value stands for none.
+        let middle_wavelength =
+            if wavelengths.is_empty() { f64::NAN } else { *wavelengths.select_nth_unstable_by(half, f64::total_cmp).1 };
+        Self { readings, curves, notes, sha256, middle_wavelength }
     }
 
     /// The readings, in the order of the file; at least one.
     #[must_use]
     pub fn readings(&self) -> &[Reading] {
         &self.readings
+    }
+
+    /// The median of the readings' wavelengths, nm.
+    #[must_use]
+    pub fn middle_wavelength(&self) -> f64 {
+        self.middle_wavelength
     }
 
     /// Names of the records, by first appearance; one called `data` if the file names none.

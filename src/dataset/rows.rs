@@ -226,7 +226,7 @@ impl Rows {
         if curves.is_empty() {
             curves.push(UNNAMED.to_owned());
         }
-        Ok(Dataset { readings: self.readings, curves, notes, sha256 })
+        Ok(Dataset::checked(self.readings, curves, notes, sha256))
     }
 }
 

@@ -11,6 +11,7 @@ use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::inside;
+use crate::inversion::rows::Weighted;
 use crate::inversion::space::Space;
 use crate::inversion::undetermined::unit_of_residuals;
 use crate::numerics::normal::{density, distribution};
@@ -50,13 +51,13 @@ impl Noise {
 pub(crate) struct Likelihood<'a> {
     compiled: &'a Compiled<'a>,
     space: &'a Space,
-    robust: &'a [f64],
+    weighted: Weighted<'a>,
     noise: Noise,
 }
 
 impl<'a> Likelihood<'a> {
     pub(crate) fn new(compiled: &'a Compiled<'a>, space: &'a Space, robust: &'a [f64], noise: Noise) -> Self {
-        Self { compiled, space, robust, noise }
+        Self { compiled, space, weighted: compiled.plan.rows.weighted(robust), noise }
     }
 
     /// Up to a constant; NaN where the model has no value.
@@ -67,7 +68,8 @@ impl<'a> Likelihood<'a> {
         }
         let plan = &self.compiled.plan;
         let terms = plan.terms(&values);
-        let sums = self.compiled.linear.normal_equations(plan, terms.view(), self.robust);
+        let parts = plan.rows.parts(terms.view(), &self.weighted.weights);
+        let sums = self.compiled.linear.normal_equations(&plan.rows, &parts, &self.weighted);
         let factors = sums.factors();
         let best = factors.as_ref().map_or_else(|| sums.solve(), |factors| sums.unconstrained(factors));
         let chi2 = sums.sum_of_squares(&best);

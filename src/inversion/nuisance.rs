@@ -11,7 +11,9 @@
 //! Golub and Pereyra 1973, DOI 10.1137/0710036; derivatives in the form of Kaufman 1975, DOI 10.1007/BF01932995, whose
 //! normal matrix is the exact Schur complement of the full problem's.
 
-use crate::inversion::plan::{Plan, PlannedReading, TermsView};
+use crate::inversion::plan::Plan;
+use crate::inversion::rows::{Rows, Weighted, WeightedParts};
+use crate::numerics::dot::dot;
 use crate::numerics::nonnegative;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::{Deserialize, Serialize};
@@ -183,30 +185,26 @@ impl LinearPart {
         (known, entries, count)
     }
 
-    /// The best non-negative coefficients for `terms`; `extra` as in [`normal_equations`](Self::normal_equations).
-    pub(crate) fn best(&self, plan: &Plan<'_>, terms: TermsView<'_>, extra: &[f64]) -> DVector<f64> {
+    /// The best non-negative coefficients.
+    pub(crate) fn best(&self, rows: &Rows, parts: &WeightedParts, weighted: &Weighted<'_>) -> DVector<f64> {
         if self.columns.is_empty() {
             return DVector::zeros(0);
         }
-        self.normal_equations(plan, terms, extra).solve()
+        self.normal_equations(rows, parts, weighted).solve()
     }
 
-    /// Sums over all readings; `extra` are the square roots of further weights, empty for none.
-    pub(crate) fn normal_equations(&self, plan: &Plan<'_>, terms: TermsView<'_>, extra: &[f64]) -> NormalEquations {
+    /// Sums over all readings.
+    pub(crate) fn normal_equations(
+        &self,
+        rows: &Rows,
+        parts: &WeightedParts,
+        weighted: &Weighted<'_>,
+    ) -> NormalEquations {
         let mut equations = self.no_equations();
-        // Runs of one curve are summed up in registers.
-        let mut sums = Sums::default();
-        let mut curve = plan.readings.first().map_or(0, |reading| reading.curve);
-        for (row, reading) in plan.readings.iter().enumerate() {
-            if reading.curve != curve {
-                self.add(&mut equations, curve, &std::mem::take(&mut sums));
-                curve = reading.curve;
-            }
-            let weight = reading.weight * extra.get(row).copied().unwrap_or(1.0);
-            sums.add(weight * weight, plan.parts(reading, terms), reading.intensity);
-        }
-        if !plan.is_empty() {
-            self.add(&mut equations, curve, &sums);
+        for (curve, span) in rows.spans() {
+            let columns = [&parts.lamella[..], &parts.multilayer[..], &weighted.weights[..]];
+            let columns = columns.map(|values| &values[span.clone()]);
+            self.add(&mut equations, *curve, &Sums::new(columns, &weighted.intensities[span.clone()]));
         }
         equations.complete();
         equations
@@ -264,28 +262,29 @@ impl LinearPart {
         (self.weight * of(a), of(b), background.map_or(0.0, |i| coefficients[i]))
     }
 
-    /// Columns whose coefficient is above 0, weighted, for a reading: the part of the model that a projection removes.
+    /// Columns whose coefficient is above 0, weighted, `[m, q]`: the part of the model that a projection removes.
     pub(crate) fn design(
         &self,
-        plan: &Plan<'_>,
-        terms: TermsView<'_>,
-        weight: impl Fn(usize, &PlannedReading) -> f64,
+        rows: &Rows,
+        parts: &WeightedParts,
+        weighted: &Weighted<'_>,
         coefficients: &DVector<f64>,
     ) -> DMatrix<f64> {
         let active: Vec<usize> = (0..self.columns.len()).filter(|&i| coefficients[i] > 0.0).collect();
-        if active.is_empty() {
-            return DMatrix::zeros(plan.len(), 0);
-        }
-        let mut place = vec![usize::MAX; self.columns.len()];
-        for (c, &i) in active.iter().enumerate() {
-            place[i] = c;
-        }
-        let mut design = DMatrix::zeros(plan.len(), active.len());
-        for (row, reading) in plan.readings.iter().enumerate() {
-            let (_, entries, count) = self.split(reading.curve, plan.parts(reading, terms));
-            for &(i, value) in &entries[..count] {
-                if place[i] != usize::MAX {
-                    design[(row, place[i])] = weight(row, reading) * value;
+        let mut design = DMatrix::zeros(weighted.weights.len(), active.len());
+        for (curve, span) in rows.spans() {
+            let (a, b, background) = self.targets[*curve];
+            let background = background.map_or(Target::Known, Target::Column);
+            for (target, factor, values) in [
+                (a, self.weight, &parts.lamella[..]),
+                (b, 1.0, &parts.multilayer[..]),
+                (background, 1.0, &weighted.weights[..]),
+            ] {
+                let Target::Column(column) = target else { continue };
+                let Some(place) = active.iter().position(|&active| active == column) else { continue };
+                let mut column = design.view_mut((span.start, place), (span.len(), 1));
+                for (out, value) in column.iter_mut().zip(&values[span.clone()]) {
+                    *out += factor * value;
                 }
             }
         }
@@ -303,6 +302,19 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
+    /// Of A, B and 1, and of the intensities, all times the weights.
+    fn new(columns: [&[f64]; 3], intensities: &[f64]) -> Self {
+        let mut sums = Self::default();
+        for (i, column) in columns.iter().enumerate() {
+            for (j, other) in columns.iter().enumerate().take(i + 1) {
+                sums.products[i][j] = dot(column, other);
+            }
+            sums.with_intensity[i] = dot(column, intensities);
+        }
+        sums.square = dot(intensities, intensities);
+        sums
+    }
+
     #[inline]
     pub(crate) fn add(&mut self, weight: f64, (a, b): (f64, f64), intensity: f64) {
         let [wa, wb, wy] = [weight * a, weight * b, weight * intensity];

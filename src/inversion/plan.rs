@@ -11,16 +11,17 @@
 //! changing one parameter renews only the terms it enters.
 
 use crate::dataset::Dataset;
+use crate::inversion::numbering::Numbers;
 use crate::inversion::parameter::{COUNT, Parameter, structure};
+use crate::inversion::rows::Rows;
 use crate::inversion::settings::Parts;
 use crate::optics::hybrid::HybridNode;
 use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
 use crate::optics::{Join, Media, OpticsError, ReflectivityModel, lobe};
 use nalgebra::DVector;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
-use std::hash::Hash;
 
 /// Readings that a thinned plan keeps of each curve, if it has them.
 const LEAST_OF_A_CURVE: usize = 16;
@@ -65,34 +66,6 @@ fn run_key(angle: f64, media: &Media) -> RunKey {
     [angle, ambient, cuticle.re, cuticle.im, gap.re, gap.im, base.re, base.im].map(f64::to_bits)
 }
 
-/// Numbers of keys in the order they are met.
-#[derive(Debug)]
-struct Numbers<K> {
-    known: FxHashMap<K, usize>,
-    last: Option<(K, usize)>,
-}
-
-impl<K> Default for Numbers<K> {
-    fn default() -> Self {
-        Self { known: FxHashMap::default(), last: None }
-    }
-}
-
-impl<K: Copy + Eq + Hash> Numbers<K> {
-    /// The number of `key`; neighbours in a data set often have the same.
-    fn of(&mut self, key: K) -> usize {
-        if let Some((last, number)) = self.last
-            && last == key
-        {
-            return number;
-        }
-        let next = self.known.len();
-        let number = *self.known.entry(key).or_insert(next);
-        self.last = Some((key, number));
-        number
-    }
-}
-
 /// A data set compiled for one model.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
@@ -109,6 +82,7 @@ pub struct Plan<'a> {
     /// Number of directions of incidence and view in which the stack is seen.
     directions: usize,
     pub(crate) readings: Vec<PlannedReading>,
+    pub(crate) rows: Rows,
     pub(crate) curves: usize,
 }
 
@@ -204,10 +178,10 @@ impl<'a> Plan<'a> {
             product: Vec::new(),
             directions: 0,
             readings: Vec::with_capacity(rows.len()),
+            rows: Rows::default(),
             curves: data.curves().len(),
         };
-        let mut stack_index = FxHashMap::default();
-        let mut run_index: FxHashMap<RunKey, usize> = FxHashMap::default();
+        let (mut stacks, mut stack_runs) = (Numbers::default(), Numbers::<RunKey>::default());
         let (mut directions, mut wavelengths, mut planes) =
             (Numbers::default(), Numbers::default(), Numbers::default());
         // By plane of incidence: its shares of both models.
@@ -216,7 +190,7 @@ impl<'a> Plan<'a> {
         let mut nodes: Vec<LamellaNode> = Vec::new();
         let mut lamellae: Vec<Vec<Option<usize>>> = Vec::new();
         let mut lobes: Vec<Option<usize>> = Vec::new();
-        let mut product_index = FxHashMap::default();
+        let mut products = Numbers::default();
         let mut seen = FxHashSet::default();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
@@ -267,29 +241,24 @@ impl<'a> Plan<'a> {
                 });
             }
             if share_b > 0.0 {
-                let key = (wavelength.to_bits(), angle.to_bits(), reading.polarization);
-                planned.stack = match stack_index.get(&key) {
-                    Some(&index) => index,
-                    None => {
-                        let media = model.stack().media(wavelength)?;
-                        let node = plan.nodes;
-                        plan.nodes += 1;
-                        stack_index.insert(key, node);
-                        let run = *run_index.entry(run_key(angle, &media)).or_insert_with(|| {
-                            plan.stack.push(StackRun { media, angle, wavenumbers: Vec::new(), nodes: Vec::new() });
-                            plan.stack.len() - 1
-                        });
-                        plan.stack[run].wavenumbers.push(TAU / wavelength);
-                        plan.stack[run].nodes.push((node, reading.polarization.shares()));
-                        node
+                planned.stack = stacks.of((wavelength.to_bits(), angle.to_bits(), reading.polarization));
+                if planned.stack == plan.nodes {
+                    plan.nodes += 1;
+                    let media = model.stack().media(wavelength)?;
+                    let run = stack_runs.of(run_key(angle, &media));
+                    if run == plan.stack.len() {
+                        plan.stack.push(StackRun { media, angle, wavenumbers: Vec::new(), nodes: Vec::new() });
                     }
-                };
+                    plan.stack[run].wavenumbers.push(TAU / wavelength);
+                    plan.stack[run].nodes.push((planned.stack, reading.polarization.shares()));
+                }
                 planned.lobe = if let Some(node) = product {
                     seen.insert((direction, plane));
-                    *product_index.entry((wavelength.to_bits(), direction, plane)).or_insert_with(|| {
+                    let number = products.of((wavelength.to_bits(), direction, plane));
+                    if number == plan.product.len() {
                         plan.product.push(node);
-                        plan.product.len() - 1
-                    })
+                    }
+                    number
                 } else {
                     *lobes[direction].get_or_insert_with(|| {
                         plan.lobe.push((theta, phi));
@@ -300,11 +269,20 @@ impl<'a> Plan<'a> {
             plan.readings.push(planned);
         }
         plan.directions = plan.lobe.len() + seen.len();
+        plan.rows = Rows::new(&plan.readings);
         // The model itself may refuse the media; learn that now, and not as a fit without a finite value.
         if let Some(run) = plan.stack.first() {
             model.stack_reflectivity(&run.media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
         }
         Ok(plan)
+    }
+
+    /// Puts other intensities, one for each reading, in the place of those of the data.
+    pub(crate) fn set_intensities(&mut self, intensities: &[f64]) {
+        for (reading, &intensity) in self.readings.iter_mut().zip(intensities) {
+            reading.intensity = intensity;
+        }
+        self.rows.set_intensities(intensities);
     }
 
     /// Number of readings.

@@ -7,10 +7,12 @@
 use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::LinearPart;
 use crate::inversion::parameter::{COUNT, Parameter, inside};
-use crate::inversion::plan::{Plan, PlannedReading, Terms};
+use crate::inversion::plan::{Plan, Terms};
+use crate::inversion::rows::{self, TermSlopes, Weighted, WeightedParts};
 use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
-use crate::optimise::{Bounds, LeastSquares, derivative};
+use crate::numerics::dot::dot;
+use crate::optimise::{Bounds, LeastSquares, derivative, without_columns};
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
 
@@ -20,8 +22,7 @@ pub(crate) struct Problem<'a> {
     plan: &'a Plan<'a>,
     linear: &'a LinearPart,
     space: &'a Space,
-    /// Square roots of the weights of a robust loss; empty for none.
-    robust: &'a [f64],
+    weighted: Weighted<'a>,
     derivative: Derivative,
     last: RefCell<Option<Evaluation>>,
 }
@@ -32,16 +33,18 @@ pub(crate) struct Evaluation {
     free: DVector<f64>,
     pub(crate) values: [f64; COUNT],
     pub(crate) terms: Terms,
+    parts: WeightedParts,
     pub(crate) coefficients: DVector<f64>,
 }
 
 impl<'a> Problem<'a> {
-    pub(crate) fn new(compiled: &'a Compiled<'_>, space: &'a Space, robust: &'a [f64]) -> Self {
+    /// - `robust`: square roots of the weights of a robust loss; empty for none.
+    pub(crate) fn new(compiled: &'a Compiled<'_>, space: &'a Space, robust: &[f64]) -> Self {
         Self {
             plan: &compiled.plan,
             linear: &compiled.linear,
             space,
-            robust,
+            weighted: compiled.plan.rows.weighted(robust),
             derivative: compiled.settings.derivative,
             last: RefCell::new(None),
         }
@@ -56,10 +59,6 @@ impl<'a> Problem<'a> {
         self.space
     }
 
-    fn weight(&self, row: usize) -> f64 {
-        self.plan.readings[row].weight * self.robust.get(row).copied().unwrap_or(1.0)
-    }
-
     /// The model at `free` with its best nuisances; `None` outside the models' domain.
     pub(crate) fn evaluate(&self, free: &DVector<f64>) -> Option<Evaluation> {
         let values = self.space.freedom.expand(free);
@@ -67,14 +66,14 @@ impl<'a> Problem<'a> {
             return None;
         }
         let terms = self.plan.terms(&values);
-        let coefficients = self.linear.best(self.plan, terms.view(), self.robust);
-        Some(Evaluation { free: free.clone(), values, terms, coefficients })
+        let parts = self.plan.rows.parts(terms.view(), &self.weighted.weights);
+        let coefficients = self.linear.best(&self.plan.rows, &parts, &self.weighted);
+        Some(Evaluation { free: free.clone(), values, terms, parts, coefficients })
     }
 
     /// Length of the vector of weighted readings.
     pub(crate) fn size_of_data(&self) -> f64 {
-        let square = |row: usize| (self.weight(row) * self.plan.readings[row].intensity).powi(2);
-        (0..self.plan.len()).map(square).sum::<f64>().sqrt()
+        dot(&self.weighted.intensities, &self.weighted.intensities).sqrt()
     }
 
     /// Factors on A and on B and the background of each curve.
@@ -83,13 +82,14 @@ impl<'a> Problem<'a> {
     }
 
     fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
-        let (factors, terms) = (self.factors(point), point.terms.view());
-        let residual = |(row, reading): (usize, &PlannedReading)| {
-            let (a, b) = self.plan.parts(reading, terms);
-            let (on_a, on_b, background) = factors[reading.curve];
-            self.weight(row) * (on_a * a + on_b * b + background - reading.intensity)
-        };
-        DVector::from_iterator(self.plan.len(), self.plan.readings.iter().enumerate().map(residual))
+        let mut residuals = DVector::zeros(self.plan.len());
+        for (curve, span) in self.plan.rows.spans() {
+            let of = [&point.parts.lamella[..], &point.parts.multilayer[..]].map(|values| &values[span.clone()]);
+            let data = [&self.weighted.weights[..], &self.weighted.intensities[..]].map(|values| &values[span.clone()]);
+            let factors = self.linear.factors(*curve, &point.coefficients);
+            rows::residuals(&mut residuals.as_mut_slice()[span.clone()], factors, of, data);
+        }
+        residuals
     }
 
     /// Weighted derivatives by the free parameters at fixed nuisances, `[m, n]`: those of each term by each parameter it
@@ -134,43 +134,30 @@ impl<'a> Problem<'a> {
         ];
 
         let terms = &point.terms;
-        let factors = self.factors(point);
+        let [of_lamella, of_stack, of_lobe] =
+            [&terms.interference, &terms.stack, &terms.lobe].map(|values| vec![0.0; values.len()]);
+        let product = |one: &Option<DVector<f64>>, other: &[f64]| -> Vec<f64> {
+            let Some(one) = one else { return of_lamella.clone() };
+            one.iter().zip(other).map(|(one, other)| one * other).collect()
+        };
+        let by_period = product(&period, &terms.diffraction);
+        let by_width = product(&width, &terms.interference);
+        let slopes = TermSlopes {
+            lamella: [&by_period, &by_width],
+            stack: stack.each_ref().map(|slope| slice(slope).unwrap_or(&of_stack)),
+            lobe: [0, 1].map(|by: usize| slice(&lobe[by]).unwrap_or(&of_lobe)),
+            lobe_by_width: slice(&lobe[2]),
+        };
         let mut all = DMatrix::zeros(plan.len(), COUNT);
         let mut columns = all.as_mut_slice().chunks_exact_mut(plan.len().max(1));
         let columns: [&mut [f64]; COUNT] = std::array::from_fn(|_| columns.next().unwrap_or_default());
-        let at = |values: &[f64], index: usize| values.get(index).copied().unwrap_or(0.0);
-        let (period, width) = (slice(&period), slice(&width));
-        let (stack, lobe) = (stack.each_ref().map(slice), lobe.each_ref().map(slice));
-        for (row, reading) in plan.readings.iter().enumerate() {
-            let (on_a, on_b, _) = factors[reading.curve];
-            let weight = self.weight(row);
-            let mut along_thicknesses = [0.0; 2];
-            if reading.share_a > 0.0 {
-                let node = reading.lamella;
-                let factor = weight * on_a * reading.share_a;
-                along_thicknesses = [factor * at(period, node) * terms.diffraction[node]; 2];
-                columns[4][row] = factor * terms.interference[node] * at(width, node);
-            }
-            if reading.share_b > 0.0 {
-                let (node, direction) = (reading.stack, reading.lobe);
-                let factor = weight * on_b * reading.share_b;
-                let (r, l) = (terms.stack[node], terms.lobe[direction]);
-                along_thicknesses[0] += factor * l * at(stack[0], node);
-                along_thicknesses[1] += factor * l * at(stack[1], node);
-                columns[2][row] = factor * (l * at(stack[2], node) + r * at(lobe[0], direction));
-                columns[3][row] = factor * r * at(lobe[1], direction);
-                if !lobe[2].is_empty() {
-                    columns[4][row] = factor * r * at(lobe[2], direction);
-                }
-            }
-            (columns[0][row], columns[1][row]) = along_thicknesses.into();
-        }
+        plan.rows.add_slopes(terms.view(), &slopes, &self.weighted.weights, &self.factors(point), columns);
         if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }
     }
 
     /// The linear columns in use at `point`, weighted, `[m, q]`.
     pub(crate) fn design(&self, point: &Evaluation) -> DMatrix<f64> {
-        self.linear.design(self.plan, point.terms.view(), |row, _| self.weight(row), &point.coefficients)
+        self.linear.design(&self.plan.rows, &point.parts, &self.weighted, &point.coefficients)
     }
 
     /// Derivatives by free parameters and by the nuisances in use, `[m, n + q]`: the full problem's Jacobian.
@@ -204,24 +191,19 @@ impl LeastSquares for Problem<'_> {
 
     /// Kaufman's form: the slopes at fixed nuisances less their projection on the linear columns in use.
     fn jacobian(&self, free: &DVector<f64>) -> DMatrix<f64> {
-        let known = self.last.borrow().as_ref().filter(|point| point.free == *free).cloned();
+        let known = self.last.take().filter(|point| point.free == *free);
         let Some(point) = known.or_else(|| self.evaluate(free)) else {
             return DMatrix::from_element(self.plan.len(), free.len(), f64::NAN);
         };
         let slopes = self.slopes(&point);
         let design = self.design(&point);
-        if design.ncols() == 0 {
-            return slopes;
-        }
-        let q = design.qr().q();
-        let along = q.tr_mul(&slopes);
-        slopes - q * along
+        self.last.replace(Some(point));
+        if design.ncols() == 0 { slopes } else { without_columns(slopes, &design) }
     }
 }
 
-/// The values, or none.
-fn slice(values: &Option<DVector<f64>>) -> &[f64] {
-    values.as_ref().map(|values| values.as_slice()).unwrap_or_default()
+fn slice(values: &Option<DVector<f64>>) -> Option<&[f64]> {
+    values.as_ref().map(|values| values.as_slice())
 }
 
 #[cfg(test)]

@@ -24,11 +24,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Real indices of gap and cuticle at the middle wavelength of the data; 1 and 1.56 where the media have none there.
 pub(crate) fn indices(data: &Dataset, stack: &Stack) -> (f64, f64) {
-    let mut wavelengths: Vec<f64> = data.readings().iter().map(|reading| reading.wavelength).collect();
-    let half = wavelengths.len() / 2;
-    let middle =
-        if wavelengths.is_empty() { 550.0 } else { *wavelengths.select_nth_unstable_by(half, f64::total_cmp).1 };
-    stack.media(middle).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
+    stack.media(data.middle_wavelength()).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
 }
 
 impl Quantity {

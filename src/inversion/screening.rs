@@ -151,7 +151,9 @@ mod tests {
             let mut equations = linear.no_equations();
             let add = |curve, sums: &Sums| linear.add(&mut equations, curve, sums);
             screening.join(&lamella, &multilayer, add);
-            let whole = linear.normal_equations(&plan, terms.view(), &[]);
+            let weighted = plan.rows.weighted(&[]);
+            let parts = plan.rows.parts(terms.view(), &weighted.weights);
+            let whole = linear.normal_equations(&plan.rows, &parts, &weighted);
             let expected = whole.sum_of_squares(&whole.solve());
             assert_relative_eq!(equations.best_sum_of_squares(), expected, max_relative = 1e-10);
 

@@ -3,6 +3,7 @@
 use crate::numerics::singular::right_singular;
 use crate::optimise::levenberg_marquardt::{LevenbergMarquardt, Tolerances};
 use crate::optimise::objective::{ArgminProblem, LeastSquares};
+use crate::optimise::products::triangle;
 use crate::optimise::termination::Termination;
 use argmin::core::Executor;
 use nalgebra::{DMatrix, DVector};
@@ -93,21 +94,21 @@ fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, toleranc
         .configure(|state| state.param(start.clone()).max_iters(u64::MAX))
         .ctrlc(false)
         .run();
-    let (parameters, termination, evaluations) = match run {
+    let (found, termination, evaluations) = match run {
         Ok(mut result) => {
-            let parameters = result.state.take_param().or_else(|| result.state.take_best_param());
+            let found = result.state.take_param().zip(result.state.take_residuals());
             let termination = result.solver.termination().unwrap_or(Termination::Stalled);
-            (parameters.unwrap_or_else(|| start.clone()), termination, result.solver.evaluations())
+            (found, termination, result.solver.evaluations())
         }
         // Neither the problem nor the solver returns an error; if argmin does, the run has not moved.
-        Err(_) => (start.clone(), Termination::Stalled, 0),
+        Err(_) => (None, Termination::Stalled, 0),
     };
-    let residuals = problem.residuals(&parameters);
+    let (parameters, residuals) = found.unwrap_or_else(|| (start.clone(), problem.residuals(start)));
     let jacobian = problem.jacobian(&parameters);
     let triangle = if jacobian.nrows() < jacobian.ncols() || !jacobian.iter().all(|value| value.is_finite()) {
         jacobian.clone()
     } else {
-        jacobian.clone().qr().r()
+        triangle(&jacobian)
     };
     Minimum { parameters, residuals, jacobian, triangle, termination, evaluations }
 }

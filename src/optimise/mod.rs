@@ -25,4 +25,5 @@ pub use loss::Loss;
 pub use minimise::{Minimum, minimise};
 pub use multistart::{merge_equal, merge_near, multistart};
 pub use objective::{ArgminProblem, LeastSquares};
+pub(crate) use products::without_columns;
 pub use termination::Termination;

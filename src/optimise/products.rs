@@ -9,6 +9,9 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// Least pivot of columns of length 1: below it the factor has lost half of its digits, and QR stands in.
 const LEAST_PIVOT: f64 = 1e-4;
 
+/// Rows that stay in the nearest memory while each column meets each other.
+const ROWS: usize = 256;
+
 /// `[J r]' [J r]`.
 #[derive(Debug, Clone)]
 pub(crate) struct Products {
@@ -18,20 +21,21 @@ pub(crate) struct Products {
 
 impl Products {
     pub(crate) fn new(jacobian: &DMatrix<f64>, residuals: &DVector<f64>) -> Self {
-        let n = jacobian.ncols();
-        let column = |j: usize| {
-            let rows = jacobian.nrows();
-            &jacobian.as_slice()[j * rows..(j + 1) * rows]
-        };
+        let (m, n) = jacobian.shape();
         let mut gram = DMatrix::zeros(n, n);
-        for i in 0..n {
-            for j in 0..=i {
-                let product = dot(column(i), column(j));
-                gram[(i, j)] = product;
-                gram[(j, i)] = product;
+        let mut gradient = DVector::zeros(n);
+        for first in (0..m).step_by(ROWS) {
+            let rows = first..m.min(first + ROWS);
+            let column = |j: usize| &jacobian.as_slice()[j * m + rows.start..j * m + rows.end];
+            for j in 0..n {
+                for i in j..n {
+                    gram[(i, j)] += dot(column(i), column(j));
+                }
+                gradient[j] += dot(column(j), &residuals.as_slice()[rows.clone()]);
             }
         }
-        Self { gram, gradient: DVector::from_fn(n, |j, _| dot(column(j), residuals.as_slice())) }
+        gram.fill_upper_triangle_with_lower_triangle();
+        Self { gram, gradient }
     }
 
     /// `J' r`.
@@ -63,6 +67,40 @@ impl Products {
     }
 }
 
+/// The factor R of the QR decomposition of `jacobian`, up to the signs of its rows.
+pub(crate) fn triangle(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+    let all: Vec<usize> = (0..jacobian.ncols()).collect();
+    let products = Products::new(jacobian, &DVector::zeros(jacobian.nrows()));
+    products.triangle(&all).map_or_else(|| jacobian.clone().qr().r(), |(r, _)| r)
+}
+
+/// `matrix` less its projection on `columns`.
+///
+/// # Shape
+/// `[m, n]` and `[m, q]`, with `q <= m`; what comes back is `[m, n]`.
+pub(crate) fn without_columns(mut matrix: DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let all: Vec<usize> = (0..columns.ncols()).collect();
+    let m = columns.nrows();
+    let column = |j: usize| &columns.as_slice()[j * m..(j + 1) * m];
+    let factor = Products::new(columns, &DVector::zeros(m)).triangle(&all).map(|(r, _)| r);
+    for mut target in matrix.column_iter_mut() {
+        let along = DVector::from_fn(columns.ncols(), |j, _| dot(column(j), target.as_slice()));
+        let solved = factor.as_ref().and_then(|r| r.solve_upper_triangular(&r.tr_solve_upper_triangular(&along)?));
+        let Some(solved) = solved else {
+            let q = columns.clone().qr().q();
+            let along = q.tr_mul(&target);
+            target -= q * along;
+            continue;
+        };
+        for (j, share) in solved.iter().enumerate() {
+            for (out, value) in target.iter_mut().zip(column(j)) {
+                *out -= share * value;
+            }
+        }
+    }
+    matrix
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,6 +119,21 @@ mod tests {
         assert_relative_eq!(r, &signs * qr.r(), max_relative = 1e-12, epsilon = 1e-12);
         let rotated = &signs * qr.q().tr_mul(&residuals);
         assert_relative_eq!(b, rotated, max_relative = 1e-12, epsilon = 1e-12);
+    }
+
+    #[test]
+    fn what_is_left_of_a_projection_is_orthogonal_to_it() {
+        let wave = |i: usize| ((1 + i) as f64 * 0.37).sin();
+        let matrix = DMatrix::from_fn(700, 3, |i, j| wave(i * (j + 2)));
+        // Far from dependent, and so nearly dependent that QR stands in.
+        for near in [1.0, 1e-6] {
+            let columns = DMatrix::from_fn(700, 2, |i, j| wave(i + 1) + if j == 1 { near * wave(3 * i) } else { 0.0 });
+            let left = without_columns(matrix.clone(), &columns);
+            assert!(columns.tr_mul(&left).amax() < 1e-10, "{near}");
+            let projected = columns.clone().svd(true, false).u.unwrap();
+            assert_relative_eq!(left, &matrix - &projected * projected.tr_mul(&matrix), epsilon = 1e-9);
+        }
+        assert_eq!(without_columns(matrix.clone(), &DMatrix::zeros(700, 0)), matrix);
     }
 
     #[test]
