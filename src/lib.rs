@@ -66,6 +66,7 @@ pub mod report;
 pub mod spectrum;
 pub mod sweep;
 pub mod synthetic;
+#[cfg(feature = "tradeoff")]
 pub mod tradeoff;
 pub mod uncertainty;
 pub mod units;

@@ -130,7 +130,7 @@ fn many_starts_find_all_54_with_standard_errors_right_on_at_least_52() {
 
             #[allow(clippy::cast_precision_loss, reason = "a few hundred readings")]
             let variance = best.sum_of_squares() / problem.degrees_of_freedom as f64;
-            let covariance = covariance(&best.jacobian).unwrap();
+            let covariance = covariance(&best.triangle).unwrap();
             let errors = DVector::from_fn(best.parameters.len(), |j, _| (covariance[(j, j)] * variance).sqrt());
             // Put in order as the parameters were: by their values, not by those of the errors.
             let places = in_order(&problem, &DVector::from_fn(errors.len(), |j, _| best.parameters[j]));

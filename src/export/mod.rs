@@ -5,6 +5,7 @@ mod curves;
 mod json;
 mod samples;
 mod terms;
+#[cfg(feature = "tradeoff")]
 mod tradeoff;
 
 pub use colours::colours_csv;
@@ -12,6 +13,7 @@ pub use curves::curves_csv;
 pub use json::{fit_json, read_fit_json};
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
 pub use terms::terms_csv;
+#[cfg(feature = "tradeoff")]
 pub use tradeoff::tradeoff_csv;
 
 use crate::inversion::SCHEMA;

@@ -37,6 +37,7 @@ pub use advice::{AdviceError, AdviceFound, Ask, Proposal, SigmaExpected, SplitEx
 pub use atlas::{ChiSquareMap, Relation, chi_square_map};
 pub use choice::{Choice, ChoiceFound, Criterion, FOLDS, Standing, VariantFound, choose};
 pub use combinations::Combination;
+#[cfg(feature = "tradeoff")]
 pub(crate) use compiled::Compiled;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
@@ -47,6 +48,8 @@ pub use outcome::{
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
+#[cfg(feature = "tradeoff")]
 pub(crate) use problem::Problem;
 pub use settings::{Derivative, FitSettings, ModelChoice, Parts, Search, SettingsError};
+#[cfg(feature = "tradeoff")]
 pub(crate) use space::Space;

@@ -185,14 +185,6 @@ impl LinearPart {
         (known, entries, count)
     }
 
-    /// The best non-negative coefficients.
-    pub(crate) fn best(&self, rows: &Rows, parts: &WeightedParts, weighted: &Weighted<'_>) -> DVector<f64> {
-        if self.columns.is_empty() {
-            return DVector::zeros(0);
-        }
-        self.normal_equations(rows, parts, weighted).solve()
-    }
-
     /// Sums over all readings.
     pub(crate) fn normal_equations(
         &self,
@@ -270,18 +262,11 @@ impl LinearPart {
         weighted: &Weighted<'_>,
         coefficients: &DVector<f64>,
     ) -> DMatrix<f64> {
-        let active: Vec<usize> = (0..self.columns.len()).filter(|&i| coefficients[i] > 0.0).collect();
+        let active = in_use(coefficients);
         let mut design = DMatrix::zeros(weighted.weights.len(), active.len());
         for (curve, span) in rows.spans() {
-            let (a, b, background) = self.targets[*curve];
-            let background = background.map_or(Target::Known, Target::Column);
-            for (target, factor, values) in [
-                (a, self.weight, &parts.lamella[..]),
-                (b, 1.0, &parts.multilayer[..]),
-                (background, 1.0, &weighted.weights[..]),
-            ] {
-                let Target::Column(column) = target else { continue };
-                let Some(place) = active.iter().position(|&active| active == column) else { continue };
+            for (column, factor, values) in self.columns_of(*curve, parts, weighted) {
+                let Ok(place) = active.binary_search(&column) else { continue };
                 let mut column = design.view_mut((span.start, place), (span.len(), 1));
                 for (out, value) in column.iter_mut().zip(&values[span.clone()]) {
                     *out += factor * value;
@@ -290,6 +275,30 @@ impl LinearPart {
         }
         design
     }
+
+    /// What the readings of a curve add to linear columns: which column, the factor, and the values at all readings.
+    pub(crate) fn columns_of<'v>(
+        &self,
+        curve: usize,
+        parts: &'v WeightedParts,
+        weighted: &'v Weighted<'_>,
+    ) -> impl Iterator<Item = (usize, f64, &'v [f64])> {
+        let (a, b, background) = self.targets[curve];
+        let parts = [
+            (a, self.weight, &parts.lamella[..]),
+            (b, 1.0, &parts.multilayer[..]),
+            (background.map_or(Target::Known, Target::Column), 1.0, &weighted.weights[..]),
+        ];
+        parts.into_iter().filter_map(|(target, factor, values)| match target {
+            Target::Column(column) => Some((column, factor, values)),
+            Target::Known => None,
+        })
+    }
+}
+
+/// Columns whose coefficient is above 0.
+pub(crate) fn in_use(coefficients: &DVector<f64>) -> Vec<usize> {
+    (0..coefficients.len()).filter(|&i| coefficients[i] > 0.0).collect()
 }
 
 /// Weighted sums over readings of the products of A, B, 1 and the intensity.
@@ -370,6 +379,11 @@ impl NormalEquations {
             }
         };
         if best.is_finite() { best.max(0.0) } else { f64::INFINITY }
+    }
+
+    /// The normal matrix of some columns.
+    pub(crate) fn gram_of(&self, columns: &[usize]) -> DMatrix<f64> {
+        self.gram.select_rows(columns).select_columns(columns)
     }
 
     /// Factors of the normal matrix; `None` if its columns depend on each other, or one is 0 or not finite.

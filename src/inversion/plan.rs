@@ -400,6 +400,14 @@ impl<'a> Plan<'a> {
         self.lobe.iter().map(|&(theta, phi)| lobe::lobe(theta, phi, delta, phi_alpha)).collect()
     }
 
+    /// Derivatives of [`Plan::lobe`] by the tilt and the half-width, 1/rad, in exact form; `None` for a product.
+    pub(crate) fn lobe_slopes(&self, delta: f64, phi_alpha: f64) -> Option<[DVector<f64>; 2]> {
+        let of = |&(theta, phi): &(f64, f64)| lobe::lobe_slopes(theta, phi, delta, phi_alpha);
+        let slopes: Vec<[f64; 2]> = self.lobe.iter().map(of).collect();
+        let by = |which: usize| DVector::from_iterator(slopes.len(), slopes.iter().map(|slopes| slopes[which]));
+        (!self.is_product()).then(|| [0, 1].map(by))
+    }
+
     pub(crate) fn terms(&self, values: &[f64; COUNT]) -> Terms {
         let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = *values;
         Terms {

@@ -5,14 +5,14 @@
 //! ```
 
 use crate::inversion::compiled::Compiled;
-use crate::inversion::nuisance::LinearPart;
+use crate::inversion::nuisance::{LinearPart, NormalEquations, in_use};
 use crate::inversion::parameter::{COUNT, Parameter, inside};
 use crate::inversion::plan::{Plan, Terms};
-use crate::inversion::rows::{self, TermSlopes, Weighted, WeightedParts};
+use crate::inversion::rows::{self, Block, TermSlopes, Weighted, WeightedParts};
 use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
 use crate::numerics::dot::dot;
-use crate::optimise::{Bounds, LeastSquares, derivative, without_columns};
+use crate::optimise::{Bounds, LeastSquares, Products, derivative, schur_complement, without_columns};
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
 
@@ -34,6 +34,8 @@ pub(crate) struct Evaluation {
     pub(crate) values: [f64; COUNT],
     pub(crate) terms: Terms,
     parts: WeightedParts,
+    /// Of the nuisances; `None` without any.
+    equations: Option<NormalEquations>,
     pub(crate) coefficients: DVector<f64>,
 }
 
@@ -51,6 +53,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Number of residuals.
+    #[cfg(feature = "tradeoff")]
     pub(crate) fn len(&self) -> usize {
         self.plan.len()
     }
@@ -67,18 +70,15 @@ impl<'a> Problem<'a> {
         }
         let terms = self.plan.terms(&values);
         let parts = self.plan.rows.parts(terms.view(), &self.weighted.weights);
-        let coefficients = self.linear.best(&self.plan.rows, &parts, &self.weighted);
-        Some(Evaluation { free: free.clone(), values, terms, parts, coefficients })
+        let equations = (!self.linear.columns.is_empty())
+            .then(|| self.linear.normal_equations(&self.plan.rows, &parts, &self.weighted));
+        let coefficients = equations.as_ref().map_or_else(|| DVector::zeros(0), NormalEquations::solve);
+        Some(Evaluation { free: free.clone(), values, terms, parts, equations, coefficients })
     }
 
     /// Length of the vector of weighted readings.
     pub(crate) fn size_of_data(&self) -> f64 {
         dot(&self.weighted.intensities, &self.weighted.intensities).sqrt()
-    }
-
-    /// Factors on A and on B and the background of each curve.
-    fn factors(&self, point: &Evaluation) -> Vec<(f64, f64, f64)> {
-        (0..self.plan.curves).map(|curve| self.linear.factors(curve, &point.coefficients)).collect()
     }
 
     fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
@@ -92,11 +92,10 @@ impl<'a> Problem<'a> {
         residuals
     }
 
-    /// Weighted derivatives by the free parameters at fixed nuisances, `[m, n]`: those of each term by each parameter it
-    /// depends on, joined by the product rule.
-    fn slopes(&self, point: &Evaluation) -> DMatrix<f64> {
+    /// The derivatives of each term at `point` by each parameter it depends on.
+    fn term_slopes(&self, point: &Evaluation) -> PointSlopes {
         let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = point.values;
-        let plan = self.plan;
+        let (plan, terms) = (self.plan, &point.terms);
         let moves = |parameter| self.space.freedom.moves(parameter);
         let difference = |parameter: Parameter, at: f64, function: &dyn Fn(f64) -> Vec<f64>| {
             moves(parameter).then(|| {
@@ -116,43 +115,100 @@ impl<'a> Problem<'a> {
         } else {
             difference(Parameter::LamellaWidth, lamella_width, &|x| plan.diffraction(x))
         };
-        let by_differences = || {
+        let stack = exactly.then(|| plan.stack_slopes(d_air, d_cuticle, delta)).flatten().map(|all| all.map(Some));
+        let stack = stack.unwrap_or_else(|| {
             [
                 difference(Parameter::DAir, d_air, &|x| plan.stack(x, d_cuticle, delta)),
                 difference(Parameter::DCuticle, d_cuticle, &|x| plan.stack(d_air, x, delta)),
                 difference(Parameter::Delta, delta, &|x| plan.stack(d_air, d_cuticle, x)),
             ]
+        });
+        let lobe = exactly.then(|| plan.lobe_slopes(delta, phi_alpha)).flatten().map(|both| both.map(Some));
+        let lobe = lobe.unwrap_or_else(|| {
+            [
+                difference(Parameter::Delta, delta, &|x| plan.lobe(x, phi_alpha, lamella_width)),
+                difference(Parameter::PhiAlpha, phi_alpha, &|x| plan.lobe(delta, x, lamella_width)),
+            ]
+        });
+        let lobe_by_width = plan
+            .is_product()
+            .then(|| difference(Parameter::LamellaWidth, lamella_width, &|x| plan.lobe(delta, phi_alpha, x)))
+            .flatten();
+        // What does not move has no slope.
+        let or_none = |slopes: Option<DVector<f64>>, like: &[f64]| slopes.unwrap_or_else(|| DVector::zeros(like.len()));
+        let times = |slopes: Option<DVector<f64>>, other: &[f64]| {
+            let mut slopes = or_none(slopes, other);
+            slopes.iter_mut().zip(other).for_each(|(slope, other)| *slope *= other);
+            slopes
         };
-        let exact = exactly.then(|| plan.stack_slopes(d_air, d_cuticle, delta)).flatten();
-        let stack = exact.map_or_else(by_differences, |slopes| slopes.map(Some));
-        let lobe = [
-            difference(Parameter::Delta, delta, &|x| plan.lobe(x, phi_alpha, lamella_width)),
-            difference(Parameter::PhiAlpha, phi_alpha, &|x| plan.lobe(delta, x, lamella_width)),
-            plan.is_product()
-                .then(|| difference(Parameter::LamellaWidth, lamella_width, &|x| plan.lobe(delta, phi_alpha, x)))
-                .flatten(),
-        ];
+        PointSlopes {
+            lamella: [times(period, &terms.diffraction), times(width, &terms.interference)],
+            stack: stack.map(|slopes| or_none(slopes, &terms.stack)),
+            lobe: lobe.map(|slopes| or_none(slopes, &terms.lobe)),
+            lobe_by_width,
+        }
+    }
 
-        let terms = &point.terms;
-        let [of_lamella, of_stack, of_lobe] =
-            [&terms.interference, &terms.stack, &terms.lobe].map(|values| vec![0.0; values.len()]);
-        let product = |one: &Option<DVector<f64>>, other: &[f64]| -> Vec<f64> {
-            let Some(one) = one else { return of_lamella.clone() };
-            one.iter().zip(other).map(|(one, other)| one * other).collect()
-        };
-        let by_period = product(&period, &terms.diffraction);
-        let by_width = product(&width, &terms.interference);
-        let slopes = TermSlopes {
-            lamella: [&by_period, &by_width],
-            stack: stack.each_ref().map(|slope| slice(slope).unwrap_or(&of_stack)),
-            lobe: [0, 1].map(|by: usize| slice(&lobe[by]).unwrap_or(&of_lobe)),
-            lobe_by_width: slice(&lobe[2]),
-        };
-        let mut all = DMatrix::zeros(plan.len(), COUNT);
-        let mut columns = all.as_mut_slice().chunks_exact_mut(plan.len().max(1));
-        let columns: [&mut [f64]; COUNT] = std::array::from_fn(|_| columns.next().unwrap_or_default());
-        plan.rows.add_slopes(terms.view(), &slopes, &self.weighted.weights, &self.factors(point), columns);
+    /// Weighted derivatives by the free parameters at fixed nuisances, `[m, n]`: those of the terms, joined by the product
+    /// rule.
+    fn slopes(&self, point: &Evaluation) -> DMatrix<f64> {
+        let slopes = self.term_slopes(point);
+        let mut all = DMatrix::zeros(self.plan.len(), COUNT);
+        let mut columns = all.as_mut_slice().chunks_exact_mut(self.plan.len().max(1));
+        let mut columns: [&mut [f64]; COUNT] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        for block in self.plan.rows.blocks() {
+            let own = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
+            self.add_slopes(block, point, &slopes, own);
+        }
         if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }
+    }
+
+    fn add_slopes(&self, block: &Block, point: &Evaluation, slopes: &PointSlopes, columns: [&mut [f64]; COUNT]) {
+        let (on_a, on_b, _) = self.linear.factors(block.curve, &point.coefficients);
+        let (terms, weights) = (point.terms.view(), &self.weighted.weights);
+        self.plan.rows.add_slopes(block, terms, &slopes.view(), weights, (on_a, on_b), columns);
+    }
+
+    /// The products of the Jacobian at `point`, summed up block by block; `None` where its columns are so nearly those of
+    /// the nuisances that the difference of sums does not hold what is left of them.
+    fn products_at(&self, point: &Evaluation, residuals: &DVector<f64>) -> Option<Products> {
+        let slopes = self.term_slopes(point);
+        let active = in_use(&point.coefficients);
+        let mut gram = DMatrix::zeros(COUNT, COUNT);
+        let mut gradient = DVector::zeros(COUNT);
+        let mut along = DMatrix::zeros(active.len(), COUNT);
+        let mut memory: [Vec<f64>; COUNT] = Default::default();
+        for block in self.plan.rows.blocks() {
+            for column in &mut memory {
+                column.clear();
+                column.resize(block.rows.len(), 0.0);
+            }
+            self.add_slopes(block, point, &slopes, memory.each_mut().map(Vec::as_mut_slice));
+            for (j, column) in memory.iter().enumerate() {
+                for (i, other) in memory.iter().enumerate().skip(j) {
+                    gram[(i, j)] += dot(column, other);
+                }
+                gradient[j] += dot(column, &residuals.as_slice()[block.rows.clone()]);
+                for (of, factor, values) in self.linear.columns_of(block.curve, &point.parts, &self.weighted) {
+                    if let Ok(place) = active.binary_search(&of) {
+                        along[(place, j)] += factor * dot(column, &values[block.rows.clone()]);
+                    }
+                }
+            }
+        }
+        let freedom = &self.space.freedom;
+        gram.fill_upper_triangle_with_lower_triangle();
+        if !freedom.is_all_free() {
+            let matrix = freedom.matrix();
+            gram = matrix.tr_mul(&(gram * matrix));
+            gradient = matrix.tr_mul(&gradient);
+            along *= matrix;
+        }
+        if let Some(equations) = point.equations.as_ref().filter(|_| !active.is_empty()) {
+            // Kaufman's form: the residuals have no part along the nuisances in use, the slopes lose theirs.
+            gram = schur_complement(gram, &equations.gram_of(&active), &along)?;
+        }
+        Some(Products::of_sums(gram, gradient))
     }
 
     /// The linear columns in use at `point`, weighted, `[m, q]`.
@@ -189,6 +245,14 @@ impl LeastSquares for Problem<'_> {
         &self.space.scales
     }
 
+    fn products(&self, free: &DVector<f64>, residuals: &DVector<f64>) -> Products {
+        let known = self.last.take().filter(|point| point.free == *free);
+        let point = known.or_else(|| self.evaluate(free));
+        let products = point.as_ref().and_then(|point| self.products_at(point, residuals));
+        self.last.replace(point);
+        products.unwrap_or_else(|| Products::new(&self.jacobian(free), residuals))
+    }
+
     /// Kaufman's form: the slopes at fixed nuisances less their projection on the linear columns in use.
     fn jacobian(&self, free: &DVector<f64>) -> DMatrix<f64> {
         let known = self.last.take().filter(|point| point.free == *free);
@@ -202,8 +266,23 @@ impl LeastSquares for Problem<'_> {
     }
 }
 
-fn slice(values: &Option<DVector<f64>>) -> Option<&[f64]> {
-    values.as_ref().map(|values| values.as_slice())
+/// Derivatives of the terms at one point; see [`TermSlopes`].
+struct PointSlopes {
+    lamella: [DVector<f64>; 2],
+    stack: [DVector<f64>; 3],
+    lobe: [DVector<f64>; 2],
+    lobe_by_width: Option<DVector<f64>>,
+}
+
+impl PointSlopes {
+    fn view(&self) -> TermSlopes<'_> {
+        TermSlopes {
+            lamella: self.lamella.each_ref().map(DVector::as_slice),
+            stack: self.stack.each_ref().map(DVector::as_slice),
+            lobe: self.lobe.each_ref().map(DVector::as_slice),
+            lobe_by_width: self.lobe_by_width.as_ref().map(DVector::as_slice),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -214,6 +293,7 @@ mod tests {
     use crate::optics::{Stack, Structure};
     use crate::optimise::central_jacobian;
     use crate::synthetic::{Scan, simulate};
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
 
     /// The product rule over terms against differences of the whole, nuisances eliminated, at several points.
     #[test]
@@ -242,6 +322,14 @@ mod tests {
             let problem = Problem::new(&compiled, &space, &[]);
             for point in [[141.0, 62.0, 0.04, 0.5, 300.0], [120.0, 75.0, -0.02, 0.7, 250.0]] {
                 let at = DVector::from_column_slice(&point);
+                // The products that are summed up block by block are those of the Jacobian.
+                let (residuals, ours) = (problem.residuals(&at), problem.jacobian(&at));
+                let (direct, summed) = (Products::new(&ours, &residuals), problem.products(&at, &residuals));
+                for j in 0..5 {
+                    assert_relative_eq!(direct.length(j), summed.length(j), max_relative = 1e-9);
+                    let size = direct.length(j) * residuals.norm() + 1e-12;
+                    assert_abs_diff_eq!(direct.gradient()[j], summed.gradient()[j], epsilon = 1e-9 * size);
+                }
                 // Golub and Pereyra's full Jacobian differs from Kaufman's by a term along the residuals' normal; both have
                 // the same gradient, and are equal where the residuals vanish, as at the truth without noise.
                 let (ours, whole) = (

@@ -9,6 +9,8 @@ use std::ops::Range;
 
 /// Runs shorter than this are joined, and their nodes listed.
 const SHORT: usize = 8;
+/// Readings of a block at most: few enough for their derivatives to stay in the nearest memory.
+const BLOCK: usize = 512;
 
 /// The nodes that the readings of a run look at.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,10 +48,19 @@ struct Run {
     lobe: Nodes,
 }
 
+/// Some neighbouring readings of one curve.
+#[derive(Debug, Clone)]
+pub(crate) struct Block {
+    runs: Range<usize>,
+    pub(crate) rows: Range<usize>,
+    pub(crate) curve: usize,
+}
+
 /// All readings in runs.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Rows {
     runs: Vec<Run>,
+    blocks: Vec<Block>,
     /// Neighbouring readings of one curve.
     spans: Vec<(usize, Range<usize>)>,
     /// `1 / sigma`, and that times the intensity.
@@ -91,11 +102,11 @@ impl Rows {
         let mut runs: Vec<Run> = Vec::new();
         let mut first = 0;
         while first < readings.len() {
-            let length = steady(&readings[first..]);
+            let length = steady(&readings[first..readings.len().min(first + BLOCK)]);
             let own = &readings[first..first + length];
             let last = runs.last_mut().filter(|last| {
                 let short = length < SHORT && (last.rows.len() < SHORT || matches!(last.stack, Nodes::Each(_)));
-                short && is_like(&readings[last.rows.start], &own[0])
+                short && last.rows.len() + length <= BLOCK && is_like(&readings[last.rows.start], &own[0])
             });
             match last {
                 Some(last) => {
@@ -120,8 +131,17 @@ impl Rows {
             let first = std::mem::replace(next, *next + span.len());
             Some((span[0].curve, first..*next))
         });
+        let mut blocks: Vec<Block> = Vec::new();
+        for (index, Run { rows, curve, .. }) in runs.iter().enumerate() {
+            let room = |block: &&mut Block| block.curve == *curve && block.rows.len() + rows.len() <= BLOCK;
+            match blocks.last_mut().filter(room) {
+                Some(block) => (block.runs.end, block.rows.end) = (index + 1, rows.end),
+                None => blocks.push(Block { runs: index..index + 1, rows: rows.clone(), curve: *curve }),
+            }
+        }
         Self {
             runs,
+            blocks,
             spans: spans.collect(),
             weights: readings.iter().map(|reading| reading.weight).collect(),
             intensities: readings.iter().map(|reading| reading.weight * reading.intensity).collect(),
@@ -138,6 +158,11 @@ impl Rows {
     /// Neighbouring readings of one curve, and which it is.
     pub(crate) fn spans(&self) -> &[(usize, Range<usize>)] {
         &self.spans
+    }
+
+    /// All readings, some at a time.
+    pub(crate) fn blocks(&self) -> &[Block] {
+        &self.blocks
     }
 
     /// With the square roots of further weights; empty for none.
@@ -170,21 +195,22 @@ impl Rows {
         parts
     }
 
-    /// Adds to `columns` the weighted derivatives by `d_air`, `d_cuticle`, the tilt, the half-width of the lobe and the width
-    /// of the lamellae, where each curve has its `(factor on A, factor on B, background)`.
+    /// Adds to `columns`, of the readings of `block` alone, the weighted derivatives by `d_air`, `d_cuticle`, the tilt, the half-width of the lobe and the width
+    /// of the lamellae, where its curve has the factors `on_a` and `on_b` on the two models.
     pub(crate) fn add_slopes(
         &self,
+        block: &Block,
         terms: TermsView<'_>,
         slopes: &TermSlopes<'_>,
         weights: &[f64],
-        factors: &[(f64, f64, f64)],
+        (on_a, on_b): (f64, f64),
         mut columns: [&mut [f64]; 5],
     ) {
         let mut scratch: [Vec<f64>; 7] = Default::default();
-        for run in &self.runs {
-            let (rows, length) = (run.rows.clone(), run.rows.len());
-            let (on_a, on_b, _) = factors[run.curve];
-            let weights = &weights[rows.clone()];
+        for run in &self.runs[block.runs.clone()] {
+            let length = run.rows.len();
+            let weights = &weights[run.rows.clone()];
+            let rows = run.rows.start - block.rows.start..run.rows.end - block.rows.start;
             let [air, cuticle, tilt, half_width, width] = columns.each_mut().map(|column| &mut column[rows.clone()]);
             if run.share_a > 0.0 {
                 let [one, two, ..] = &mut scratch;
@@ -355,6 +381,12 @@ mod tests {
             next = run.rows.end;
         }
         assert_eq!(next, all.len());
+        let blocks: Vec<Range<usize>> = rows.blocks().iter().map(|block| block.rows.clone()).collect();
+        assert_eq!(blocks, [0..60, 60..71, 71..102, 102..103]);
+        // A long run is cut.
+        let long = Rows::new(&vec![all[0]; 1100]);
+        let lengths: Vec<usize> = long.blocks().iter().map(|block| block.rows.len()).collect();
+        assert_eq!(lengths, [512, 512, 76]);
         // Three rows of the grid, the spectrum, the shuffled curve in one, and two single readings.
         assert_eq!(rows.runs.len(), 7);
         let spans: Vec<usize> = rows.spans().iter().map(|(curve, _)| *curve).collect();
@@ -381,7 +413,11 @@ mod tests {
         };
         let factors = [(0.3, 0.7, 0.0), (1.1, 0.9, 0.1), (2.0, 0.4, 0.2)];
         let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; all.len()]);
-        rows.add_slopes(terms, &slopes, &weighted.weights, &factors, columns.each_mut().map(Vec::as_mut_slice));
+        for block in rows.blocks() {
+            let (on_a, on_b, _) = factors[block.curve];
+            let columns = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
+            rows.add_slopes(block, terms, &slopes, &weighted.weights, (on_a, on_b), columns);
+        }
         let parts = rows.parts(terms, &weighted.weights);
         let mut left = vec![0.0; all.len()];
         for (curve, span) in rows.spans() {

@@ -5,12 +5,13 @@
 //! ends on it. Steps onto points whose residuals are not finite are refused.
 //!
 //! # Requirements on the problem
-//! [`argmin::core::Operator`] (residuals) and [`argmin::core::Jacobian`].
+//! [`argmin::core::Operator`] (residuals), [`argmin::core::Jacobian`] and [`Linearise`].
 //!
 //! # Source
 //! Moré 1978, DOI 10.1007/BFb0067700 (MINPACK `lmder`): its radius rules and its tests for the end.
 
 use crate::optimise::bounds::Bounds;
+use crate::optimise::objective::Linearise;
 use crate::optimise::products::Products;
 use crate::optimise::termination::Termination;
 use crate::optimise::trust_region::bounded_step;
@@ -122,7 +123,9 @@ fn largest_cosine(products: &Products, gradient: &DVector<f64>, norm: f64, movab
 
 impl<O> Solver<O, Iterate> for LevenbergMarquardt
 where
-    O: Operator<Param = DVector<f64>, Output = DVector<f64>> + Jacobian<Param = DVector<f64>, Jacobian = DMatrix<f64>>,
+    O: Operator<Param = DVector<f64>, Output = DVector<f64>>
+        + Jacobian<Param = DVector<f64>, Jacobian = DMatrix<f64>>
+        + Linearise,
 {
     fn name(&self) -> &'static str {
         "bounded Levenberg-Marquardt"
@@ -152,8 +155,7 @@ where
         };
         let cost = half_square(&residuals);
         let norm = residuals.norm();
-        let jacobian = problem.jacobian(&parameters)?;
-        let products = Products::new(&jacobian, &residuals);
+        let products = problem.problem("products_count", |problem| Ok(problem.products(&parameters, &residuals)))?;
         let gradient = products.gradient();
         let back =
             |state: Iterate, parameters, residuals, cost| state.param(parameters).residuals(residuals).cost(cost);
@@ -169,8 +171,8 @@ where
         if !self.scaling.iter().all(|scale| scale.is_finite()) {
             return Ok((self.end(back(state, parameters, residuals, cost), Termination::Stalled), None));
         }
-        let movable = self.movable(&parameters, &gradient);
-        let cosine = largest_cosine(&products, &gradient, norm, &movable);
+        let movable = self.movable(&parameters, gradient);
+        let cosine = largest_cosine(&products, gradient, norm, &movable);
         let ended = if norm <= 0.0 {
             Some(Termination::ExactFit)
         } else if movable.is_empty() || cosine <= self.tolerances.gradient {
@@ -187,12 +189,15 @@ where
         }
 
         let pick = |vector: &DVector<f64>| DVector::from_fn(movable.len(), |c, _| vector[movable[c]]);
-        let (r, b) = products.triangle(&movable).unwrap_or_else(|| {
-            let qr = jacobian.select_columns(&movable).qr();
-            let mut rotated = residuals.clone();
-            qr.q_tr_mul(&mut rotated);
-            (qr.r(), rotated.rows(0, movable.len()).into_owned())
-        });
+        let (r, b) = match products.triangle(&movable) {
+            Some(triangle) => triangle,
+            None => {
+                let qr = problem.jacobian(&parameters)?.select_columns(&movable).qr();
+                let mut rotated = residuals.clone();
+                qr.q_tr_mul(&mut rotated);
+                (qr.r(), rotated.rows(0, movable.len()).into_owned())
+            }
+        };
         let d = pick(&self.scaling);
         let lower = pick(&(self.bounds.lower() - &parameters));
         let upper = pick(&(self.bounds.upper() - &parameters));

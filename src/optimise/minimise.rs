@@ -3,7 +3,6 @@
 use crate::numerics::singular::right_singular;
 use crate::optimise::levenberg_marquardt::{LevenbergMarquardt, Tolerances};
 use crate::optimise::objective::{ArgminProblem, LeastSquares};
-use crate::optimise::products::triangle;
 use crate::optimise::termination::Termination;
 use argmin::core::Executor;
 use nalgebra::{DMatrix, DVector};
@@ -24,9 +23,9 @@ pub struct Minimum {
     pub parameters: DVector<f64>,
     /// Residuals there.
     pub residuals: DVector<f64>,
-    /// Their derivatives there.
-    pub jacobian: DMatrix<f64>,
-    /// Its factor R, `[n, n]`: the same singular values and directions, in a small matrix.
+    /// `J' r` there, of the residuals and their derivatives J.
+    pub gradient: DVector<f64>,
+    /// The factor R of J, `[n, n]`: the same singular values and directions, in a small matrix.
     pub triangle: DMatrix<f64>,
     /// Why the run ended.
     pub termination: Termination,
@@ -104,13 +103,17 @@ fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, toleranc
         Err(_) => (None, Termination::Stalled, 0),
     };
     let (parameters, residuals) = found.unwrap_or_else(|| (start.clone(), problem.residuals(start)));
-    let jacobian = problem.jacobian(&parameters);
-    let triangle = if jacobian.nrows() < jacobian.ncols() || !jacobian.iter().all(|value| value.is_finite()) {
-        jacobian.clone()
-    } else {
-        triangle(&jacobian)
-    };
-    Minimum { parameters, residuals, jacobian, triangle, termination, evaluations }
+    let products = problem.products(&parameters, &residuals);
+    let all: Vec<usize> = (0..parameters.len()).collect();
+    let triangle = products.triangle(&all).map_or_else(
+        || {
+            let jacobian = problem.jacobian(&parameters);
+            let whole = jacobian.nrows() >= jacobian.ncols() && jacobian.iter().all(|value| value.is_finite());
+            if whole { jacobian.qr().r() } else { jacobian }
+        },
+        |(r, _)| r,
+    );
+    Minimum { parameters, residuals, gradient: products.gradient().clone(), triangle, termination, evaluations }
 }
 
 /// The lowest of the points around a minimum, if one is lower: steps of several sizes along each parameter and along
@@ -139,7 +142,7 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
 /// Whether some combination of the parameters inside the box does nothing.
 fn is_flat<L: LeastSquares + ?Sized>(problem: &L, found: &Minimum) -> bool {
     let parameters = &found.parameters;
-    let gradient = found.jacobian.tr_mul(&found.residuals);
+    let gradient = &found.gradient;
     let bounds = problem.bounds();
     let free: Vec<usize> = (0..parameters.len())
         .filter(|&j| {

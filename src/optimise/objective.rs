@@ -2,6 +2,7 @@
 
 use crate::optimise::bounds::Bounds;
 use crate::optimise::difference::central_jacobian;
+use crate::optimise::products::Products;
 use argmin::core::{Error, Jacobian, Operator};
 use nalgebra::{DMatrix, DVector};
 
@@ -31,6 +32,18 @@ pub trait LeastSquares {
     fn jacobian(&self, parameters: &DVector<f64>) -> DMatrix<f64> {
         central_jacobian(|p| self.residuals(p), parameters, self.scales(), self.bounds())
     }
+
+    /// `J' J` and `J' r` at `parameters`, where the residuals are `residuals`; from the Jacobian unless a problem knows
+    /// better.
+    fn products(&self, parameters: &DVector<f64>, residuals: &DVector<f64>) -> Products {
+        Products::new(&self.jacobian(parameters), residuals)
+    }
+}
+
+/// What a solver asks of a problem beside residuals and Jacobian.
+pub trait Linearise {
+    /// `J' J` and `J' r`, as [`LeastSquares::products`].
+    fn products(&self, parameters: &DVector<f64>, residuals: &DVector<f64>) -> Products;
 }
 
 /// A [`LeastSquares`] as argmin sees it.
@@ -50,5 +63,11 @@ impl<L: LeastSquares + ?Sized> Jacobian for ArgminProblem<'_, L> {
     type Jacobian = DMatrix<f64>;
     fn jacobian(&self, parameters: &DVector<f64>) -> Result<DMatrix<f64>, Error> {
         Ok(self.0.jacobian(parameters))
+    }
+}
+
+impl<L: LeastSquares + ?Sized> Linearise for ArgminProblem<'_, L> {
+    fn products(&self, parameters: &DVector<f64>, residuals: &DVector<f64>) -> Products {
+        self.0.products(parameters, residuals)
     }
 }

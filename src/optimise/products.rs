@@ -1,7 +1,7 @@
-//! The products of a Jacobian's columns with each other and with the residuals, in one pass over the rows.
+//! The products of a Jacobian's columns with each other and with the residuals.
 //!
 //! For columns that are far from dependent their Cholesky factor is the triangle of a QR decomposition to more digits than a
-//! step of a trust region needs, at a tenth of its time: each row is read once, in vector code.
+//! step of a trust region needs, at a tenth of its time. A problem may sum them up without ever holding the Jacobian.
 
 use crate::numerics::dot::dot;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -9,18 +9,29 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// Least pivot of columns of length 1: below it the factor has lost half of its digits, and QR stands in.
 const LEAST_PIVOT: f64 = 1e-4;
 
+/// Least share of a column's square that may be left of it: what is left has lost half of its digits.
+const LEAST_LEFT: f64 = 1e-7;
 /// Rows that stay in the nearest memory while each column meets each other.
 const ROWS: usize = 256;
 
-/// `[J r]' [J r]`.
-#[derive(Debug, Clone)]
-pub(crate) struct Products {
+/// `J' J` and `J' r`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Products {
     gram: DMatrix<f64>,
     gradient: DVector<f64>,
 }
 
 impl Products {
-    pub(crate) fn new(jacobian: &DMatrix<f64>, residuals: &DVector<f64>) -> Self {
+    /// Of a Jacobian `[m, n]` and residuals `[m]`, in one pass over the rows.
+    ///
+    /// ```
+    /// use morpho_fit::optimise::Products;
+    /// use nalgebra::{DMatrix, DVector};
+    /// let products = Products::new(&DMatrix::from_row_slice(2, 1, &[3.0, 4.0]), &DVector::from_vec(vec![1.0, -1.0]));
+    /// assert_eq!((products.length(0), products.gradient()[0]), (5.0, -1.0));
+    /// ```
+    #[must_use]
+    pub fn new(jacobian: &DMatrix<f64>, residuals: &DVector<f64>) -> Self {
         let (m, n) = jacobian.shape();
         let mut gram = DMatrix::zeros(n, n);
         let mut gradient = DVector::zeros(n);
@@ -38,13 +49,21 @@ impl Products {
         Self { gram, gradient }
     }
 
+    /// `J' J`, of which the lower triangle is read, and `J' r` as they were summed up elsewhere.
+    pub(crate) fn of_sums(mut gram: DMatrix<f64>, gradient: DVector<f64>) -> Self {
+        gram.fill_upper_triangle_with_lower_triangle();
+        Self { gram, gradient }
+    }
+
     /// `J' r`.
-    pub(crate) fn gradient(&self) -> DVector<f64> {
-        self.gradient.clone()
+    #[must_use]
+    pub fn gradient(&self) -> &DVector<f64> {
+        &self.gradient
     }
 
     /// Euclidean length of column `j`.
-    pub(crate) fn length(&self, j: usize) -> f64 {
+    #[must_use]
+    pub fn length(&self, j: usize) -> f64 {
         self.gram[(j, j)].sqrt()
     }
 
@@ -67,11 +86,26 @@ impl Products {
     }
 }
 
-/// The factor R of the QR decomposition of `jacobian`, up to the signs of its rows.
-pub(crate) fn triangle(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
-    let all: Vec<usize> = (0..jacobian.ncols()).collect();
-    let products = Products::new(jacobian, &DVector::zeros(jacobian.nrows()));
-    products.triangle(&all).map_or_else(|| jacobian.clone().qr().r(), |(r, _)| r)
+/// `gram - along' (inner)⁻¹ along`: what is left of the products of columns once their parts along others are taken away,
+/// where `inner` are the products of these others and `along` theirs with the columns.
+///
+/// `None` where the others depend on each other, or where less than a ten-millionth of a column's square is left.
+///
+/// # Shape
+/// `[n, n]`, `[q, q]` and `[q, n]`.
+pub(crate) fn schur_complement(
+    mut gram: DMatrix<f64>,
+    inner: &DMatrix<f64>,
+    along: &DMatrix<f64>,
+) -> Option<DMatrix<f64>> {
+    let products = Products { gram: inner.clone(), gradient: DVector::zeros(inner.nrows()) };
+    let all: Vec<usize> = (0..inner.nrows()).collect();
+    let (r, _) = products.triangle(&all)?;
+    let rotated = r.tr_solve_upper_triangular(along)?;
+    let before = gram.diagonal();
+    gram -= rotated.tr_mul(&rotated);
+    let enough = |(left, before): (&f64, &f64)| *left > LEAST_LEFT * before || *before <= 0.0;
+    gram.diagonal().iter().zip(&before).all(enough).then_some(gram)
 }
 
 /// `matrix` less its projection on `columns`.
@@ -112,7 +146,7 @@ mod tests {
         let jacobian = DMatrix::from_fn(23, 3, |i, j| [wave(i), 10.0 * wave(i).powi(2), 100.0 * wave(i).powi(3)][j]);
         let residuals = DVector::from_fn(23, |i, _| (i as f64).cos());
         let products = Products::new(&jacobian, &residuals);
-        assert_relative_eq!(products.gradient(), jacobian.tr_mul(&residuals), max_relative = 1e-13);
+        assert_relative_eq!(*products.gradient(), jacobian.tr_mul(&residuals), max_relative = 1e-13);
         let (r, b) = products.triangle(&[2, 0]).unwrap();
         let qr = jacobian.select_columns(&[2, 0]).qr();
         let signs = DMatrix::from_diagonal(&qr.r().diagonal().map(f64::signum));
@@ -122,16 +156,33 @@ mod tests {
     }
 
     #[test]
+    fn the_complement_of_products_is_that_of_the_columns() {
+        let wave = |i: usize| ((1 + i) as f64 * 0.37).sin();
+        let columns = DMatrix::from_fn(40, 2, |i, j| wave(i + 1 + 7 * j * i));
+        let matrix = DMatrix::from_fn(40, 3, |i, j| wave(i * (j + 2)));
+        let along = columns.tr_mul(&matrix);
+        let left = schur_complement(matrix.tr_mul(&matrix), &columns.tr_mul(&columns), &along).unwrap();
+        let expected = without_columns(matrix.clone(), &columns);
+        assert_relative_eq!(left, expected.tr_mul(&expected), epsilon = 1e-12);
+        // A column that is one of those taken away leaves nothing to tell.
+        let own = columns.tr_mul(&columns);
+        assert_eq!(schur_complement(own.clone(), &own, &own), None);
+    }
+
+    #[test]
     fn what_is_left_of_a_projection_is_orthogonal_to_it() {
         let wave = |i: usize| ((1 + i) as f64 * 0.37).sin();
         let matrix = DMatrix::from_fn(700, 3, |i, j| wave(i * (j + 2)));
-        // Far from dependent, and so nearly dependent that QR stands in.
-        for near in [1.0, 1e-6] {
-            let columns = DMatrix::from_fn(700, 2, |i, j| wave(i + 1) + if j == 1 { near * wave(3 * i) } else { 0.0 });
+        let basis = DMatrix::from_fn(700, 2, |i, j| wave([i + 1, 3 * i][j]));
+        let projected = basis.clone().svd(true, false).u.unwrap();
+        let expected = &matrix - &projected * projected.tr_mul(&matrix);
+        // The same plane by columns far from dependent, and so nearly dependent that QR stands in.
+        for near in [1.0, 1e-5] {
+            let columns =
+                DMatrix::from_fn(700, 2, |i, j| basis[(i, 0)] + if j == 1 { near * basis[(i, 1)] } else { 0.0 });
             let left = without_columns(matrix.clone(), &columns);
-            assert!(columns.tr_mul(&left).amax() < 1e-10, "{near}");
-            let projected = columns.clone().svd(true, false).u.unwrap();
-            assert_relative_eq!(left, &matrix - &projected * projected.tr_mul(&matrix), epsilon = 1e-9);
+            let (along, error) = (basis.tr_mul(&left).amax(), (&left - &expected).amax());
+            assert!(along < 1e-8 && error < 1e-9, "{near}: {along:e} {error:e}");
         }
         assert_eq!(without_columns(matrix.clone(), &DMatrix::zeros(700, 0)), matrix);
     }

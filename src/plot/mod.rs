@@ -29,6 +29,7 @@ mod raster;
 mod slices;
 pub mod sweep;
 pub mod trace;
+#[cfg(feature = "tradeoff")]
 pub mod tradeoff;
 mod vector;
 

@@ -8,6 +8,7 @@ mod rows;
 pub mod swatches;
 mod table;
 pub mod terminal;
+#[cfg(feature = "tradeoff")]
 pub mod tradeoff;
 pub mod uncertainty;
 pub mod wording;
