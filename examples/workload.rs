@@ -14,7 +14,7 @@ use morpho_fit::inversion::intervals::{PosteriorSettings, posterior};
 use morpho_fit::inversion::{
     Extent, FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
 };
-use morpho_fit::optics::multilayer::{Period, reflectivities};
+use morpho_fit::optics::multilayer::{Period, spectra};
 use morpho_fit::optics::{Admittance, LamellaUnit, Material, Snell, Stack, Structure};
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::units::radians;
@@ -157,11 +157,12 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
     };
     let period = Period { cuticle: n("d_cuticle_nm")?, gap: n("d_air_nm")? };
     let media = stack.media(500.0)?;
+    let angles: Vec<f64> = thetas.iter().map(|&theta| radians(theta)).collect();
     let mut values = vec![0.0; wavelengths.len() * thetas.len()];
     let seconds = median_seconds(|| {
-        for (column, &theta) in thetas.iter().enumerate() {
-            let spectrum = reflectivities(&media, &wavelengths, period, stack.layers, radians(theta))?;
-            for (row, both) in spectrum.into_iter().enumerate() {
+        let spectra = spectra(&media, &wavelengths, period, stack.layers, &angles)?;
+        for (column, spectrum) in spectra.chunks_exact(wavelengths.len()).enumerate() {
+            for (row, both) in spectrum.iter().enumerate() {
                 values[row * thetas.len() + column] = both.mean();
             }
         }

@@ -97,13 +97,17 @@ pub struct StackSlopes {
 /// # Ok::<(), morpho_fit::optics::OpticsError>(())
 /// ```
 pub fn reflectivity(media: &Media, period: Period, layers: usize, angle: f64) -> Result<SAndP, OpticsError> {
+    validate(media, period, layers)?;
+    require(angle.is_finite(), "angle", angle, "rad", "finite")?;
+    Ok(reflectivity_unchecked(media, period, layers, angle))
+}
+
+fn validate(media: &Media, period: Period, layers: usize) -> Result<(), OpticsError> {
     media.validate()?;
     period.validate()?;
-    require(true, "angle", angle, "rad", "finite")?;
     #[allow(clippy::cast_precision_loss, reason = "for a message")]
     let count = layers as f64;
-    require((1..=MAX_LAYERS).contains(&layers), "layers", count, "", "1 to 100000")?;
-    Ok(reflectivity_unchecked(media, period, layers, angle))
+    require((1..=MAX_LAYERS).contains(&layers), "layers", count, "", "1 to 100000")
 }
 
 /// [`reflectivity`] at many wavelengths (nm) of one angle, in media whose indices are those of `media` at all of them.
@@ -129,15 +133,51 @@ pub fn reflectivities(
     layers: usize,
     angle: f64,
 ) -> Result<Vec<SAndP>, OpticsError> {
+    spectra(media, wavelengths, period, layers, &[angle])
+}
+
+/// [`reflectivities`] at many angles (rad): the fastest way to fill a chart of wavelengths and angles.
+///
+/// # Shape
+/// `[angles][wavelengths]`, one spectrum after the other.
+///
+/// # Errors
+/// As [`reflectivities`].
+///
+/// ```
+/// use morpho_fit::optics::{Stack, multilayer::{Period, spectra}};
+/// let stack = Stack::default();
+/// let period = Period { cuticle: 100.0, gap: 135.0 };
+/// let found = spectra(&stack.media(500.0)?, &[480.0, 583.0], period, stack.layers, &[0.0, 30_f64.to_radians()])?;
+/// assert!((found[0].s - 0.409538957612).abs() < 1e-11 && (found[2].s - 0.998360050717).abs() < 1e-11);
+/// # Ok::<(), morpho_fit::optics::OpticsError>(())
+/// ```
+pub fn spectra(
+    media: &Media,
+    wavelengths: &[f64],
+    period: Period,
+    layers: usize,
+    angles: &[f64],
+) -> Result<Vec<SAndP>, OpticsError> {
     let first = wavelengths.first().copied().unwrap_or(media.wavelength);
-    reflectivity(&Media { wavelength: first, ..*media }, period, layers, angle)?;
+    validate(&Media { wavelength: first, ..*media }, period, layers)?;
+    for &angle in angles {
+        require(angle.is_finite(), "angle", angle, "rad", "finite")?;
+    }
+    let wavenumbers = wavenumbers(wavelengths)?;
+    let mut found = vec![SAndP::both(0.0); wavelengths.len() * angles.len()];
+    for (&angle, found) in angles.iter().zip(found.chunks_exact_mut(wavelengths.len().max(1))) {
+        reflectivities_unchecked(media, &wavenumbers, period, layers, angle, found);
+    }
+    Ok(found)
+}
+
+/// `2 pi / wavelength` of checked wavelengths.
+fn wavenumbers(wavelengths: &[f64]) -> Result<Vec<f64>, OpticsError> {
     for &wavelength in wavelengths {
         require(WAVELENGTHS.contains(&wavelength), "wavelength", wavelength, "nm", "10 to 1e6")?;
     }
-    let wavenumbers: Vec<f64> = wavelengths.iter().map(|wavelength| TAU / wavelength).collect();
-    let mut found = vec![SAndP::both(0.0); wavelengths.len()];
-    reflectivities_unchecked(media, &wavenumbers, period, layers, angle, &mut found);
-    Ok(found)
+    Ok(wavelengths.iter().map(|wavelength| TAU / wavelength).collect())
 }
 
 /// [`reflectivities`] for inputs that were checked before, by `2 pi / wavelength`.

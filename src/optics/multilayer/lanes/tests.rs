@@ -149,3 +149,37 @@ fn deep_in_the_gap_and_on_an_order_the_two_forms_agree() {
         }
     }
 }
+
+/// What a machine without vector instructions or fused multiply-add gets, beside what this one does.
+#[test]
+fn the_portable_form_gives_the_same() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+    let wavenumbers = wavenumbers(101);
+    for case in 0..300 {
+        let layers = [1, 2, 3, 9, 16, 17][case % 6];
+        let (media, period, angle) = drawn(case, &mut random);
+        let Some(incidence) = Incidence::refracted(&media, angle.min(1.5)) else { continue };
+        let rule = |rule| {
+            let y = Admittances::each(&media, &incidence.cosines, rule);
+            (Fixed::new(&y), Fixed::slopes(&y, &incidence.admittance_slopes(&media, rule)))
+        };
+        let [s, p] = [rule(Rule::S), rule(Rule::P)];
+        let paths = Paths::new(&media, &incidence, period);
+        let (mut found, mut expected) = ([SAndP::default(); 101], [SAndP::default(); 101]);
+        values(&media, &incidence, period, layers, Rules::Each, &wavenumbers, &mut found);
+        values_of_both::<false>(&[s.0, p.0], paths, &wavenumbers, layers, &mut expected);
+        let (mut steep, mut expected_steep) = ([StackSlopes::default(); 101], [StackSlopes::default(); 101]);
+        slopes(&media, &incidence, period, layers, Rules::Each, &wavenumbers, &mut steep);
+        steepness_of_both::<false>(&[s, p], paths, &wavenumbers, layers, &mut expected_steep);
+        for i in 0..101 {
+            let (found, expected) = (found[i], expected[i]);
+            assert!((found.s - expected.s).abs().max((found.p - expected.p).abs()) < 1e-11, "{found:?} {expected:?}");
+            let parts = |slopes: &StackSlopes| {
+                [slopes.cuticle.s, slopes.cuticle.p, slopes.gap.s, slopes.gap.p, slopes.angle.s, slopes.angle.p]
+            };
+            for (found, expected) in parts(&steep[i]).into_iter().zip(parts(&expected_steep[i])) {
+                assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "case {case}: {found} {expected}");
+            }
+        }
+    }
+}
