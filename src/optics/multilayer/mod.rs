@@ -2,10 +2,12 @@
 //!
 //! Three forms of the same physics. [`intensity`] is the paper's recurrence as printed, for real indices. [`periodic`] is the
 //! closed form of the periodic stack, for real indices and any number of layers at the same cost; [`reflectivities`] is the
-//! same for a whole spectrum at once, in vector code. [`amplitude`] carries the complex fields through any list of layers.
-//! [`reflectivity`] picks the cheapest that holds.
+//! same for a whole spectrum at once, in vector code. [`amplitude`] carries the complex fields through any list of layers,
+//! [`general`] at many wavelengths at once. [`reflectivity`] picks the cheapest that holds.
 
 pub mod amplitude;
+pub(crate) mod fields;
+pub mod general;
 pub mod intensity;
 pub(crate) mod lanes;
 pub mod periodic;
@@ -15,7 +17,9 @@ use crate::optics::material::WAVELENGTHS;
 use crate::optics::stack::{MAX_LAYERS, Media};
 use crate::optics::structure::Structure;
 use amplitude::Layer;
+use fields::Layers;
 pub(crate) use lanes::Rules;
+use nalgebra::Complex;
 use periodic::{Cosines, Incidence};
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -167,7 +171,7 @@ pub fn spectra(
     let wavenumbers = wavenumbers(wavelengths)?;
     let mut found = vec![SAndP::both(0.0); wavelengths.len() * angles.len()];
     for (&angle, found) in angles.iter().zip(found.chunks_exact_mut(wavelengths.len().max(1))) {
-        reflectivities_unchecked(media, &wavenumbers, period, layers, angle, found);
+        reflectivities_unchecked(&[*media], &wavenumbers, period, layers, angle, found);
     }
     Ok(found)
 }
@@ -180,45 +184,52 @@ fn wavenumbers(wavelengths: &[f64]) -> Result<Vec<f64>, OpticsError> {
     Ok(wavelengths.iter().map(|wavelength| TAU / wavelength).collect())
 }
 
-/// [`reflectivities`] for inputs that were checked before, by `2 pi / wavelength`.
+/// [`reflectivities`] for inputs that were checked before, by `2 pi / wavelength`; `media` are one for all or one for each.
 pub(crate) fn reflectivities_unchecked(
-    media: &Media,
+    media: &[Media],
     wavenumbers: &[f64],
     period: Period,
     layers: usize,
     angle: f64,
     out: &mut [SAndP],
 ) {
-    match traveling(media, angle) {
-        Some(incidence) => lanes::values(media, &incidence, period, layers, Rules::Each, wavenumbers, out),
-        None => {
-            for (out, wavenumber) in out.iter_mut().zip(wavenumbers) {
-                *out = reflectivity_unchecked(&Media { wavelength: TAU / wavenumber, ..*media }, period, layers, angle);
-            }
-        }
+    if let Some(incidences) = traveling(media, angle) {
+        lanes::values(media, &incidences, period, layers, Rules::Each, wavenumbers, out);
+        return;
     }
+    let row = |index: fn(&Media) -> Complex<f64>| media.iter().map(index).collect::<Vec<_>>();
+    let layers = Layers {
+        ambient: &row(|media| Complex::new(media.ambient, 0.0)),
+        base: &row(|media| media.base),
+        media: &[&row(|media| media.gap), &row(|media| media.cuticle)],
+        kinds: &[(0, period.gap), (1, period.cuticle)],
+        order: &[0, 1],
+        repeats: layers,
+    };
+    general::reflectivities_unchecked(&layers, wavenumbers, angle, out);
 }
 
 /// [`reflectivities_unchecked`] with their derivatives; `false`, and nothing written, where a medium absorbs or a wave does not
 /// travel.
 pub(crate) fn slopes_unchecked(
-    media: &Media,
+    media: &[Media],
     wavenumbers: &[f64],
     period: Period,
     layers: usize,
     angle: f64,
     slopes: &mut [StackSlopes],
 ) -> bool {
-    let incidence = traveling(media, angle);
-    if let Some(incidence) = &incidence {
-        lanes::slopes(media, incidence, period, layers, Rules::Each, wavenumbers, slopes);
+    let incidences = traveling(media, angle);
+    if let Some(incidences) = &incidences {
+        lanes::slopes(media, incidences, period, layers, Rules::Each, wavenumbers, slopes);
     }
-    incidence.is_some()
+    incidences.is_some()
 }
 
-/// The cosines where every wave of the stack travels and none is absorbed.
-fn traveling(media: &Media, angle: f64) -> Option<Incidence> {
-    (angle.cos() > 0.0 && media.absorbing().is_none()).then(|| Incidence::refracted(media, angle)).flatten()
+/// The cosines where every wave of the stack travels and none is absorbed, in all media.
+fn traveling(media: &[Media], angle: f64) -> Option<Vec<Incidence>> {
+    let one = |media: &Media| media.absorbing().is_none().then(|| Incidence::refracted(media, angle)).flatten();
+    if angle.cos() > 0.0 { media.iter().map(one).collect() } else { None }
 }
 
 /// [`reflectivity`] for inputs that were checked before: the inner loop of a fit.
