@@ -228,8 +228,9 @@ pub(crate) fn slopes_unchecked(
 
 /// The cosines where every wave of the stack travels and none is absorbed, in all media.
 fn traveling(media: &[Media], angle: f64) -> Option<Vec<Incidence>> {
-    let one = |media: &Media| media.absorbing().is_none().then(|| Incidence::refracted(media, angle)).flatten();
-    if angle.cos() > 0.0 { media.iter().map(one).collect() } else { None }
+    let (sin, cos) = angle.sin_cos();
+    let one = |media: &Media| media.absorbing().is_none().then(|| Incidence::of(media, (sin, cos))).flatten();
+    if cos > 0.0 { media.iter().map(one).collect() } else { None }
 }
 
 /// [`reflectivity`] for inputs that were checked before: the inner loop of a fit.
