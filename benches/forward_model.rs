@@ -6,9 +6,10 @@
 use divan::{Bencher, black_box};
 use morpho_fit::geometry::{Geometry, Polarization};
 use morpho_fit::optics::multilayer::amplitude::{Component, Layer, reflect_transmit};
+use morpho_fit::optics::multilayer::general::{Film, LayeredStack};
 use morpho_fit::optics::multilayer::intensity::recurrence;
 use morpho_fit::optics::multilayer::{Period, SAndP, reflectivities, reflectivity};
-use morpho_fit::optics::{BlendModel, HybridModel, ReflectivityModel, Stack, Structure};
+use morpho_fit::optics::{BlendModel, HybridModel, Material, ReflectivityModel, Stack, Structure};
 use nalgebra::Complex;
 
 fn main() {
@@ -78,7 +79,19 @@ fn closed_form_of_a_spectrum(bencher: Bencher<'_, '_>, layers: usize) {
     bencher.bench(|| reflectivities(black_box(&media), &wavelengths, PERIOD, layers, black_box(0.5)).unwrap());
 }
 
-/// The same without the checks, as the fit calls it.
+/// The same as a list of layers that could be any other, without and with absorption.
+#[divan::bench(args = LAYERS, consts = [false, true])]
+fn any_layers_of_a_spectrum<const ABSORBING: bool>(bencher: Bencher<'_, '_>, layers: usize) {
+    let k = if ABSORBING { 0.06 } else { 0.0 };
+    let (air, cuticle) = (Material::constant(1.0), Material::Constant { n: 1.56, k });
+    let film = |material: &Material, thickness| Film { material: material.clone(), thickness };
+    let films = (0..layers).flat_map(|_| [film(&cuticle, PERIOD.cuticle), film(&air, PERIOD.gap)]).collect();
+    let stack = LayeredStack { ambient: air.clone(), films, base: air };
+    let wavelengths: Vec<f64> = (380..=740).map(f64::from).collect();
+    bencher.bench(|| black_box(&stack).reflectivities(&wavelengths, black_box(0.5)).unwrap());
+}
+
+/// The closed form without the checks, as the fit calls it.
 #[divan::bench(args = LAYERS)]
 fn unchecked_spectrum(bencher: Bencher<'_, '_>, layers: usize) {
     let model = BlendModel { stack: Stack { layers, ..Stack::default() } };
@@ -86,7 +99,7 @@ fn unchecked_spectrum(bencher: Bencher<'_, '_>, layers: usize) {
     let wavenumbers: Vec<f64> = (380..=740).map(|nm| std::f64::consts::TAU / f64::from(nm)).collect();
     let mut out = vec![SAndP::default(); wavenumbers.len()];
     bencher.bench_local(|| {
-        model.stack_reflectivities(black_box(&media), &wavenumbers, PERIOD, black_box(0.5), &mut out).unwrap();
+        model.stack_reflectivities(black_box(&[media]), &wavenumbers, PERIOD, black_box(0.5), &mut out).unwrap();
         black_box(&out);
     });
 }

@@ -14,7 +14,8 @@ use morpho_fit::inversion::intervals::{PosteriorSettings, posterior};
 use morpho_fit::inversion::{
     Extent, FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
 };
-use morpho_fit::optics::multilayer::{Period, reflectivities};
+use morpho_fit::optics::multilayer::general::{Film, LayeredStack};
+use morpho_fit::optics::multilayer::{Period, spectra};
 use morpho_fit::optics::{Admittance, LamellaUnit, Material, Snell, Stack, Structure};
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::units::radians;
@@ -27,13 +28,13 @@ use std::time::Instant;
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> Result<()> {
-    let name = std::env::args().nth(1).ok_or("which workload? w1, w2, w3, w3b, w4, w5 or w6")?;
+    let name = std::env::args().nth(1).ok_or("which workload? w1, general, w2, w3, w3b, w4, w5 or w6")?;
     let definition = PathBuf::from(std::env::var("MORPHO_WORKLOAD")?);
     let variant = std::env::var("MORPHO_VARIANT").unwrap_or_default();
     let workload: Value = serde_json::from_str(&std::fs::read_to_string(&definition)?)?;
     let folder = definition.parent().unwrap_or(Path::new("."));
     let line = match name.as_str() {
-        "w1" => stack_samples(&workload, &variant)?,
+        "w1" | "general" => stack_samples(&workload, &variant, name == "general")?,
         "w2" => one_fit(&workload, folder, &variant)?,
         "w3" | "w3b" => global_fits(&workload, folder, name == "w3b")?,
         "w4" => posterior_of_w2(&workload, folder)?,
@@ -130,7 +131,8 @@ fn values(outcome: &FitOutcome) -> Vec<f64> {
     outcome.parameters.each().iter().map(|(_, e)| e.value.or(e.held_at).unwrap_or(f64::NAN)).collect()
 }
 
-pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
+/// W1: spectra of a periodic stack at many angles, by the closed form, or layer by layer as a list that could be any other.
+pub(crate) fn stack_samples(workload: &Value, variant: &str, general: bool) -> Result<Value> {
     let (kind, small) = variant.strip_suffix("_small").map_or((variant, false), |kind| (kind, true));
     let n = |key: &str| number(&workload[key]);
     let range = |key: &str| -> Result<Vec<f64>> {
@@ -156,12 +158,21 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str) -> Result<Value> {
         filling: None,
     };
     let period = Period { cuticle: n("d_cuticle_nm")?, gap: n("d_air_nm")? };
+    let film = |material: &Material, thickness| Film { material: material.clone(), thickness };
+    let pair = || [film(&stack.cuticle, period.cuticle), film(&stack.gap, period.gap)];
+    let films = (0..stack.layers).flat_map(|_| pair()).collect();
+    let layered = LayeredStack { ambient: stack.ambient.clone(), films, base: stack.base.clone() };
     let media = stack.media(500.0)?;
+    let angles: Vec<f64> = thetas.iter().map(|&theta| radians(theta)).collect();
     let mut values = vec![0.0; wavelengths.len() * thetas.len()];
     let seconds = median_seconds(|| {
-        for (column, &theta) in thetas.iter().enumerate() {
-            let spectrum = reflectivities(&media, &wavelengths, period, stack.layers, radians(theta))?;
-            for (row, both) in spectrum.into_iter().enumerate() {
+        let spectra = if general {
+            layered.spectra(&wavelengths, &angles)?
+        } else {
+            spectra(&media, &wavelengths, period, stack.layers, &angles)?
+        };
+        for (column, spectrum) in spectra.chunks_exact(wavelengths.len()).enumerate() {
+            for (row, both) in spectrum.iter().enumerate() {
                 values[row * thetas.len() + column] = both.mean();
             }
         }

@@ -77,6 +77,19 @@ def stack_contests(folder, path):
             lambda rate: f"{rate / 1e6:.4g}",
             lambda _, name, run, judge=judge, printed=printed: judge(run, name == printed),
         )
+        # The same layers as a list that could be any other: no use is made of the equal periods.
+        listed = program(path, definition, "general", variant, lambda _, out: (count, out.reshape(shape)))
+        yield Contest(
+            f"W1 {variant}, any layers",
+            {
+                "this crate": listed,
+                printed: short(count, lambda media=media: stack.stack_recurrence(media, wavelengths, thetas)),
+                "numpy, amplitudes": short(count, lambda media=media: stack.stack_amplitudes(media, wavelengths, thetas)),
+            },
+            "M samples/s",
+            lambda rate: f"{rate / 1e6:.4g}",
+            lambda _, name, run, judge=judge, printed=printed: judge(run, name == printed),
+        )
 
 
 # --- W2 and W5 ---------------------------------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 """The stack air | (cuticle, air) x M | base of workload W1, in numpy and in numba, written to be fast.
 
 - `stack_recurrence`: the paper's recurrence over intensities and phases (section 2.3), in numpy over all samples at once.
+- `stack_amplitudes`: the recurrence over amplitudes, in numpy; both hold for unequal layers as well.
 - `stack_closed`, `compiled_stack`: the product of equal periods by Chebyshev polynomials, P^M = U_(M-1) P - U_(M-2), with
   U by doubling. All media are lossless, so the characteristic matrices are kept as four real numbers.
 """
@@ -33,6 +34,33 @@ def stack_recurrence(stack, wavelengths, theta):
             gamma = np.arctan2(root * (1 - rho**2) * sin_psi, rho * (1 + r) + root * (1 + rho**2) * cos_psi)
             r = np.maximum(rho**2 + r + beat, 0.0) / (1 + rho**2 * r + beat)
         total = total + r
+    return total / 2
+
+
+def stack_amplitudes(stack, wavelengths, theta):
+    """The same by the characteristic matrices of the layers, from the base to the light; those of equal layers made once.
+
+    Sine and cosine of a phase serve both polarizations; without absorption E and H stay four real arrays each.
+    """
+    k = 2 * np.pi / wavelengths[:, None]
+    sin = np.sin(theta)
+    cosine = {n: np.sqrt(1 - (sin / n) ** 2) for n in (stack["n_air"], stack["n_cuticle"], stack["base"])}
+    thickness = {"n_air": stack["d_air"], "n_cuticle": stack["d_cuticle"]}
+    waves = {}
+    for name, d in thickness.items():
+        phase = k * (stack[name] * d * cosine[stack[name]])
+        waves[name] = np.sin(phase), np.cos(phase)
+    total = 0.0
+    for polarization in "sp":
+        y = {n: n * c if polarization == "s" else n / c for n, c in cosine.items()}
+        a, b, c, d = 1.0, 0.0, y[stack["base"]], 0.0  # E = a + i b, H = c + i d
+        for name in ["n_air", "n_cuticle"] * stack["periods"]:
+            sine, cos = waves[name]
+            over, times = sine / y[stack[name]], sine * y[stack[name]]
+            a, b, c, d = cos * a + over * d, cos * b - over * c, cos * c + times * b, cos * d - times * a
+        outside = y[stack["n_air"]]
+        less = (outside * a - c) ** 2 + (outside * b - d) ** 2
+        total = total + less / (less + 4 * outside * y[stack["base"]])
     return total / 2
 
 

@@ -46,24 +46,17 @@ pub(crate) struct PlannedReading {
     pub(crate) curve: usize,
 }
 
-/// Nodes of one incidence whose media have the same indices: a spectrum, as far as these do not vary along it.
-#[derive(Debug, Clone)]
+/// Nodes of one incidence: a spectrum.
+#[derive(Debug, Clone, Default)]
 struct StackRun {
-    media: Media,
+    /// One for each node, or one for all where the indices do not vary along the spectrum.
+    media: Vec<Media>,
     /// Incidence `theta`, of which the tilt is taken; of a product `acos(v / 2)`, rad.
     angle: f64,
     /// `2 pi / wavelength` of each node, 1/nm.
     wavenumbers: Vec<f64>,
     /// Number of each node, and the shares of s and p in it.
     nodes: Vec<(usize, (f64, f64))>,
-}
-
-/// Incidence and indices of a [`StackRun`], as bits.
-type RunKey = [u64; 8];
-
-fn run_key(angle: f64, media: &Media) -> RunKey {
-    let Media { ambient, cuticle, gap, base, .. } = *media;
-    [angle, ambient, cuticle.re, cuticle.im, gap.re, gap.im, base.re, base.im].map(f64::to_bits)
 }
 
 /// A data set compiled for one model.
@@ -181,7 +174,7 @@ impl<'a> Plan<'a> {
             rows: Rows::default(),
             curves: data.curves().len(),
         };
-        let (mut stacks, mut stack_runs) = (Numbers::default(), Numbers::<RunKey>::default());
+        let (mut stacks, mut stack_runs) = (Numbers::default(), Numbers::default());
         let (mut directions, mut wavelengths, mut planes) =
             (Numbers::default(), Numbers::default(), Numbers::default());
         // By plane of incidence: its shares of both models.
@@ -245,10 +238,11 @@ impl<'a> Plan<'a> {
                 if planned.stack == plan.nodes {
                     plan.nodes += 1;
                     let media = model.stack().media(wavelength)?;
-                    let run = stack_runs.of(run_key(angle, &media));
+                    let run = stack_runs.of(angle.to_bits());
                     if run == plan.stack.len() {
-                        plan.stack.push(StackRun { media, angle, wavenumbers: Vec::new(), nodes: Vec::new() });
+                        plan.stack.push(StackRun { angle, ..StackRun::default() });
                     }
+                    plan.stack[run].media.push(media);
                     plan.stack[run].wavenumbers.push(TAU / wavelength);
                     plan.stack[run].nodes.push((planned.stack, reading.polarization.shares()));
                 }
@@ -268,11 +262,12 @@ impl<'a> Plan<'a> {
             }
             plan.readings.push(planned);
         }
+        plan.stack.iter_mut().for_each(|run| Media::join(&mut run.media));
         plan.directions = plan.lobe.len() + seen.len();
         plan.rows = Rows::new(&plan.readings);
         // The model itself may refuse the media; learn that now, and not as a fit without a finite value.
-        if let Some(run) = plan.stack.first() {
-            model.stack_reflectivity(&run.media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
+        for media in plan.stack.first().iter().flat_map(|run| &run.media) {
+            model.stack_reflectivity(media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
         }
         Ok(plan)
     }

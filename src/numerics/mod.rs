@@ -1,6 +1,8 @@
 //! Numerical methods that know neither physics nor colour, without I/O.
 
 pub mod dot;
+pub(crate) mod exponential;
+pub(crate) mod fused;
 pub mod nonnegative;
 pub mod normal;
 pub mod quadrature;

@@ -3,12 +3,15 @@
 //! Interference needs only squares of them. The system library's calls cost ten times a multiplication chain and keep a
 //! loop from being vectorised.
 
-use std::f64::consts::FRAC_1_PI;
+use crate::numerics::fused::mul_add;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// 1.5 · 2^52: adding and subtracting it rounds to an integer without a call.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// π in three parts; the first two have so few bits that their products with integers below 2^20 are exact.
 const PI_PARTS: [f64; 3] = [3.141_592_621_803_283_7, 3.178_650_942_459_171_3e-8, 1.224_646_786_410_718_8e-16];
+/// What π is more than its nearest number: all that is left of it after a product that is not rounded.
+const PI_REST: f64 = 1.224_646_799_147_353_2e-16;
 
 /// Coefficients of `cos(sqrt(z))` on the reduced range, through its values at Chebyshev's nodes: to 7e-17, two fewer than
 /// Taylor's series needs.
@@ -39,16 +42,21 @@ const TERMS: usize = 9;
 
 /// `x` less the nearest multiple of π, for `|x|` below a million.
 #[inline(always)]
-fn reduced(x: f64) -> f64 {
-    let multiple = (x * FRAC_1_PI + ROUND) - ROUND;
-    ((x - multiple * PI_PARTS[0]) - multiple * PI_PARTS[1]) - multiple * PI_PARTS[2]
+fn reduced<const FUSED: bool>(x: f64) -> f64 {
+    let multiple = mul_add::<FUSED>(x, FRAC_1_PI, ROUND) - ROUND;
+    if FUSED {
+        // The first difference is exact: a multiple of 2^-52 below 2.
+        mul_add::<FUSED>(-multiple, PI_REST, mul_add::<FUSED>(-multiple, PI, x))
+    } else {
+        ((x - multiple * PI_PARTS[0]) - multiple * PI_PARTS[1]) - multiple * PI_PARTS[2]
+    }
 }
 
 #[inline(always)]
-fn polynomial(coefficients: &[f64; TERMS], z: f64) -> f64 {
+fn polynomial<const FUSED: bool>(coefficients: &[f64; TERMS], z: f64) -> f64 {
     let mut sum = coefficients[TERMS - 1];
     for coefficient in coefficients[..TERMS - 1].iter().rev() {
-        sum = sum * z + coefficient;
+        sum = mul_add::<FUSED>(sum, z, *coefficient);
     }
     sum
 }
@@ -62,8 +70,8 @@ fn polynomial(coefficients: &[f64; TERMS], z: f64) -> f64 {
 #[must_use]
 #[inline(always)]
 pub fn cos_up_to_sign(x: f64) -> f64 {
-    let r = reduced(x);
-    polynomial(&COSINE, r * r)
+    let r = reduced::<false>(x);
+    polynomial::<false>(&COSINE, r * r)
 }
 
 /// `sin(x)` or `-sin(x)`, to 4e-16, for `|x|` below a million.
@@ -75,8 +83,8 @@ pub fn cos_up_to_sign(x: f64) -> f64 {
 #[must_use]
 #[inline(always)]
 pub fn sin_up_to_sign(x: f64) -> f64 {
-    let r = reduced(x);
-    r * polynomial(&SINE, r * r)
+    let r = reduced::<false>(x);
+    r * polynomial::<false>(&SINE, r * r)
 }
 
 /// `(sin(x), cos(x))` or both with the other sign, each to 4e-16, for `|x|` below a million.
@@ -89,9 +97,15 @@ pub fn sin_up_to_sign(x: f64) -> f64 {
 #[must_use]
 #[inline(always)]
 pub fn sin_cos_up_to_sign(x: f64) -> (f64, f64) {
-    let r = reduced(x);
+    sin_cos_fused::<false>(x)
+}
+
+/// [`sin_cos_up_to_sign`] for code compiled with fused multiply-add, if `FUSED`.
+#[inline(always)]
+pub(crate) fn sin_cos_fused<const FUSED: bool>(x: f64) -> (f64, f64) {
+    let r = reduced::<FUSED>(x);
     let z = r * r;
-    (r * polynomial(&SINE, z), polynomial(&COSINE, z))
+    (r * polynomial::<FUSED>(&SINE, z), polynomial::<FUSED>(&COSINE, z))
 }
 
 #[cfg(test)]
@@ -106,6 +120,9 @@ mod tests {
             worst = worst.max((cos_up_to_sign(x).abs() - x.cos().abs()).abs());
             worst = worst.max((sin_up_to_sign(x).abs() - x.sin().abs()).abs());
             let (sin, cos) = sin_cos_up_to_sign(x);
+            worst = worst.max((sin * cos - x.sin() * x.cos()).abs());
+            let (sin, cos) = sin_cos_fused::<true>(x);
+            worst = worst.max((cos.abs() - x.cos().abs()).abs()).max((sin.abs() - x.sin().abs()).abs());
             worst = worst.max((sin * cos - x.sin() * x.cos()).abs());
         }
         assert!(worst < 4e-16, "{worst:e}");

@@ -135,10 +135,10 @@ impl AveragedModel {
     }
 
     /// The plane waves about `angle` for each tilt and ray.
-    fn beams(&self, media: &Media, angle: f64) -> Vec<Beam> {
+    fn beams(&self, ambient: f64, angle: f64) -> Vec<Beam> {
         let aperture = self.averages.numerical_aperture;
         if aperture > 0.0 {
-            return self.cone(media, angle, aperture);
+            return self.cone(ambient, angle, aperture);
         }
         let spread = self.averages.tilt_spread;
         // Relative change of the optical path with the angle, to second order.
@@ -153,8 +153,8 @@ impl AveragedModel {
         self.steps(relative).into_iter().map(beam).collect()
     }
 
-    fn cone(&self, media: &Media, angle: f64, aperture: f64) -> Vec<Beam> {
-        let sine = |ring: &Node| (aperture / media.ambient * (0.5 * (1.0 + ring.at)).sqrt()).min(1.0);
+    fn cone(&self, ambient: f64, angle: f64, aperture: f64) -> Vec<Beam> {
+        let sine = |ring: &Node| (aperture / ambient * (0.5 * (1.0 + ring.at)).sqrt()).min(1.0);
         if angle.sin().abs() < f64::EPSILON {
             // All azimuths are one, with half of either polarization; what one side gains by a turn the other loses.
             let beam = |ring: &Node| Beam {
@@ -219,6 +219,14 @@ fn shifted(wavenumbers: &[f64], by: f64) -> Vec<f64> {
 }
 
 impl AveragedModel {
+    /// The index of the ambient medium; `None` where it is not one and the cone depends on it.
+    fn common_ambient(&self, media: &[Media]) -> Option<f64> {
+        let first = media.first().map_or(1.0, |media| media.ambient);
+        let same = self.averages.numerical_aperture <= 0.0
+            || media.iter().all(|media| media.ambient.to_bits() == first.to_bits());
+        same.then_some(first)
+    }
+
     /// Shifts of wavelength and period, nm, with their shares.
     fn shifts(&self, wavenumbers: &[f64], period: Period) -> Vec<(f64, f64, f64)> {
         let shortest = TAU / wavenumbers.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -262,21 +270,27 @@ impl ReflectivityModel for AveragedModel {
 
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
         let mut mean = [SAndP::default()];
-        self.stack_reflectivities(media, &[TAU / media.wavelength], period, angle, &mut mean)?;
+        self.stack_reflectivities(&[*media], &[TAU / media.wavelength], period, angle, &mut mean)?;
         Ok(mean[0])
     }
 
     fn stack_reflectivities(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,
         out: &mut [SAndP],
     ) -> Result<(), OpticsError> {
+        let Some(ambient) = self.common_ambient(media) else {
+            for ((media, wavenumber), out) in media.chunks(1).zip(wavenumbers.chunks(1)).zip(out.chunks_mut(1)) {
+                self.stack_reflectivities(media, wavenumber, period, angle, out)?;
+            }
+            return Ok(());
+        };
         out.fill(SAndP::default());
         let mut one = vec![SAndP::default(); wavenumbers.len()];
-        let beams = self.beams(media, angle);
+        let beams = self.beams(ambient, angle);
         for (band, longer_by, share) in self.shifts(wavenumbers, period) {
             let (period, ..) = longer(period, longer_by);
             let shifted = shifted(wavenumbers, band);
@@ -294,16 +308,21 @@ impl ReflectivityModel for AveragedModel {
 
     fn stack_slopes(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,
         out: &mut [StackSlopes],
     ) -> bool {
+        let Some(ambient) = self.common_ambient(media) else {
+            let each = media.chunks(1).zip(wavenumbers.chunks(1)).zip(out.chunks_mut(1));
+            let mut each = each.map(|((media, k), out)| self.stack_slopes(media, k, period, angle, out));
+            return each.all(|known| known);
+        };
         out.fill(StackSlopes::default());
         let mut one = vec![StackSlopes::default(); wavenumbers.len()];
         let mut values = vec![SAndP::default(); wavenumbers.len()];
-        let beams = self.beams(media, angle);
+        let beams = self.beams(ambient, angle);
         for (band, longer_by, share) in self.shifts(wavenumbers, period) {
             let (longer, factor, slope) = longer(period, longer_by);
             let shifted = shifted(wavenumbers, band);

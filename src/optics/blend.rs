@@ -40,7 +40,7 @@ impl ReflectivityModel for BlendModel {
 
     fn stack_reflectivities(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,
@@ -52,7 +52,7 @@ impl ReflectivityModel for BlendModel {
 
     fn stack_slopes(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,

@@ -141,7 +141,7 @@ impl ReflectivityModel for HybridModel {
 
     fn stack_reflectivities(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,
@@ -153,7 +153,7 @@ impl ReflectivityModel for HybridModel {
 
     fn stack_slopes(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,

@@ -108,7 +108,7 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError>;
 
     /// [`stack_reflectivity`](Self::stack_reflectivity) at many `wavenumbers`, `2 pi / wavelength` in 1/nm, of one angle, in
-    /// media whose indices are those of `media` at all of them.
+    /// media whose indices are those of `media`: one for all wavenumbers, or one for each.
     ///
     /// # Shape
     /// One value for each wavenumber; rows beyond the shorter of the two are left.
@@ -117,14 +117,16 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// As [`stack_reflectivity`](Self::stack_reflectivity).
     fn stack_reflectivities(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,
         out: &mut [SAndP],
     ) -> Result<(), OpticsError> {
-        for (out, wavenumber) in out.iter_mut().zip(wavenumbers) {
-            *out = self.stack_reflectivity(&Media { wavelength: TAU / wavenumber, ..*media }, period, angle)?;
+        let Some(&last) = media.last() else { return Ok(()) };
+        let media = media.iter().copied().chain(std::iter::repeat(last));
+        for ((out, wavenumber), media) in out.iter_mut().zip(wavenumbers).zip(media) {
+            *out = self.stack_reflectivity(&Media { wavelength: TAU / wavenumber, ..media }, period, angle)?;
         }
         Ok(())
     }
@@ -133,7 +135,7 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// the model has none there: then differences stand in.
     fn stack_slopes(
         &self,
-        _media: &Media,
+        _media: &[Media],
         _wavenumbers: &[f64],
         _period: Period,
         _angle: f64,

@@ -158,7 +158,7 @@ impl ReflectivityModel for PaperModel {
 
     fn stack_reflectivities(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,
@@ -169,23 +169,24 @@ impl ReflectivityModel for PaperModel {
             out.fill(SAndP::both(if cos < 0.0 { 0.0 } else { 1.0 }));
             return Ok(());
         }
-        let incidence = self.incidence(media, angle)?;
-        lanes::values(media, &incidence, period, self.stack.layers, self.rules(), wavenumbers, out);
+        let incidences = media.iter().map(|media| self.incidence(media, angle)).collect::<Result<Vec<_>, _>>()?;
+        lanes::values(media, &incidences, period, self.stack.layers, self.rules(), wavenumbers, out);
         Ok(())
     }
 
     fn stack_slopes(
         &self,
-        media: &Media,
+        media: &[Media],
         wavenumbers: &[f64],
         period: Period,
         angle: f64,
         out: &mut [StackSlopes],
     ) -> bool {
-        let incidence = self.incidence(media, angle).ok().filter(|_| angle.cos() > 0.0);
-        if let Some(incidence) = &incidence {
-            lanes::slopes(media, incidence, period, self.stack.layers, self.rules(), wavenumbers, out);
+        let each = media.iter().map(|media| self.incidence(media, angle));
+        let incidences = each.collect::<Result<Vec<_>, _>>().ok().filter(|_| angle.cos() > 0.0);
+        if let Some(incidences) = &incidences {
+            lanes::slopes(media, incidences, period, self.stack.layers, self.rules(), wavenumbers, out);
         }
-        incidence.is_some()
+        incidences.is_some()
     }
 }

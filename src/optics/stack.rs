@@ -71,6 +71,14 @@ impl Media {
         require_index("base", self.base)
     }
 
+    /// Keeps one of media whose indices are all the same.
+    pub(crate) fn join(media: &mut Vec<Self>) {
+        let Some(&first) = media.first() else { return };
+        if media.iter().all(|media| Self { wavelength: first.wavelength, ..*media } == first) {
+            media.truncate(1);
+        }
+    }
+
     /// The first absorbing medium and its `k`, if there is one.
     #[must_use]
     pub fn absorbing(&self) -> Option<(&'static str, f64)> {

@@ -137,11 +137,11 @@ fn slopes_are_differences(averages: Averages) {
     let wavenumbers = [TAU / 470.0, TAU / 500.0];
     let at = |period: Period, angle: f64| {
         let mut out = [SAndP::default(); 2];
-        model.stack_reflectivities(&media, &wavenumbers, period, angle, &mut out).unwrap();
+        model.stack_reflectivities(&[media], &wavenumbers, period, angle, &mut out).unwrap();
         out
     };
     let mut found = [StackSlopes::default(); 2];
-    assert!(model.stack_slopes(&media, &wavenumbers, PERIOD, 0.25, &mut found));
+    assert!(model.stack_slopes(&[media], &wavenumbers, PERIOD, 0.25, &mut found));
     let step = 1e-3;
     let moved = |cuticle, gap| Period { cuticle: PERIOD.cuticle + cuticle, gap: PERIOD.gap + gap };
     for (i, found) in found.iter().enumerate() {

@@ -1,131 +1,60 @@
 //! The closed form at many wavelengths of one angle, in vector registers, with its derivatives.
 //!
+//! With `T_M`, Chebyshev's polynomial of the first kind, and `h = (Y_gap/Y_cuticle - Y_cuticle/Y_gap) / 2` the numerator of
+//! [`super::periodic`] takes one product where `A11` and `A22` take four:
+//!
+//! ```text
+//! N = (T_M (Y_ambient - Y_base) - U_(M-1) sin sin h (Y_ambient + Y_base))^2 + (U_(M-1) (Y_ambient Y_base m12 - m21))^2
+//! ```
+//!
 //! Along a spectrum only the phases change: cosines and admittances stand still. Blocks of wavelengths go through each
 //! step together, without a branch, in loops that compilers turn into vector code. Sines and cosines are taken up to a
 //! common sign: half a turn more turns the sign of the whole period, which no reflectivity sees.
 //!
-//! The derivatives are those of [`super::periodic`]'s formulas, backwards from R to the two phases and the admittances
-//! (reverse mode): three columns for little more than the value. The same bits with every set of vector instructions:
-//! nothing is fused.
+//! Where the machine has fused multiply-add it is used: the bits are the same on one machine, but not with every set of
+//! vector instructions; 1e-11 apart at most.
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
-use crate::numerics::trigonometry::sin_cos_up_to_sign;
+mod row;
+mod slopes;
+
+use crate::numerics::fused::{fused_or_not, mul_add};
+use crate::numerics::trigonometry::sin_cos_fused;
 use crate::optics::multilayer::periodic::{Admittances, Incidence, Rule};
-use crate::optics::multilayer::{Period, SAndP, StackSlopes};
+use crate::optics::multilayer::{Period, SAndP};
 use crate::optics::stack::Media;
 use multiversion::multiversion;
+use row::{Fixed, Lanes, Paths, Row, Same, rows_of};
+pub(crate) use slopes::slopes;
 
 /// Wavelengths that go together: enough for vector code, few enough for the shortest spectra.
 const BLOCK: usize = 32;
 
 type Block = [f64; BLOCK];
 
-/// What stands still along a spectrum, for one set of admittances.
-#[derive(Debug, Clone, Copy)]
-struct Fixed {
-    /// `y_gap / y_cuticle` and its inverse.
-    ratio: f64,
-    inverse_ratio: f64,
-    ambient: f64,
-    base: f64,
-    /// `y_a y_b m12 - m21` by its two products of sines and cosines: that of cos(cuticle) sin(gap), of sin(cuticle) cos(gap).
-    cos_sin: f64,
-    sin_cos: f64,
-    /// `4 y_ambient y_base`.
-    through: f64,
-}
-
-impl Fixed {
-    fn new(y: &Admittances) -> Self {
-        let product = y.ambient * y.base;
-        Self {
-            ratio: y.gap / y.cuticle,
-            inverse_ratio: y.cuticle / y.gap,
-            ambient: y.ambient,
-            base: y.base,
-            cos_sin: product / y.gap - y.gap,
-            sin_cos: product / y.cuticle - y.cuticle,
-            through: 4.0 * product,
-        }
-    }
-
-    /// Derivatives of [`Fixed::new`]'s values along `slopes` of the admittances.
-    fn slopes(y: &Admittances, slopes: &Admittances) -> Self {
-        let product = y.ambient * y.base;
-        let by_product = slopes.ambient * y.base + y.ambient * slopes.base;
-        let of = |y: f64, slope: f64| by_product / y - product * slope / (y * y) - slope;
-        let ratio = y.gap / y.cuticle;
-        let by_ratio = (slopes.gap - ratio * slopes.cuticle) / y.cuticle;
-        Self {
-            ratio: by_ratio,
-            inverse_ratio: -by_ratio / (ratio * ratio),
-            ambient: slopes.ambient,
-            base: slopes.base,
-            cos_sin: of(y.gap, slopes.gap),
-            sin_cos: of(y.cuticle, slopes.cuticle),
-            through: 4.0 * by_product,
-        }
-    }
-}
-
-/// Optical path of each layer of a period, `n d cos` in nm, and its derivatives by the thickness and by the angle.
-#[derive(Debug, Clone, Copy)]
-struct Paths {
-    cuticle: f64,
-    gap: f64,
-    by_thickness: (f64, f64),
-    by_angle: (f64, f64),
-}
-
-impl Paths {
-    fn new(media: &Media, incidence: &Incidence, period: Period) -> Self {
-        let (cosines, slopes) = (&incidence.cosines, &incidence.slopes);
-        let by_thickness = (media.cuticle.re * cosines.cuticle, media.gap.re * cosines.gap);
-        Self {
-            cuticle: by_thickness.0 * period.cuticle,
-            gap: by_thickness.1 * period.gap,
-            by_thickness,
-            by_angle: (media.cuticle.re * period.cuticle * slopes.cuticle, media.gap.re * period.gap * slopes.gap),
-        }
-    }
-}
+/// Where N of `R = N / (N + 4 Y Y)` passes this, R is 1; the product of two such numbers does not overflow.
+const OPAQUE: f64 = 1e140;
 
 /// R at each of `wavenumbers` (`2 pi / wavelength`, 1/nm), with one rule for both polarizations or one for each.
+///
+/// Media and their incidence are one value for all wavenumbers or one for each.
 pub(crate) fn values(
-    media: &Media,
-    incidence: &Incidence,
+    media: &[Media],
+    incidences: &[Incidence],
     period: Period,
     layers: usize,
     rules: Rules,
     wavenumbers: &[f64],
     out: &mut [SAndP],
 ) {
-    let paths = Paths::new(media, incidence, period);
-    let fixed = |rule| Fixed::new(&Admittances::each(media, &incidence.cosines, rule));
-    match rules {
-        Rules::Mean => one(fixed(Rule::Mean), paths, wavenumbers, layers, out),
-        Rules::Each => both([fixed(Rule::S), fixed(Rule::P)], paths, wavenumbers, layers, out),
-    }
-}
-
-/// Derivatives of [`values`] by both thicknesses and the angle.
-pub(crate) fn slopes(
-    media: &Media,
-    incidence: &Incidence,
-    period: Period,
-    layers: usize,
-    rules: Rules,
-    wavenumbers: &[f64],
-    out: &mut [StackSlopes],
-) {
-    let paths = Paths::new(media, incidence, period);
-    let fixed = |rule: Rule| {
-        let y = Admittances::each(media, &incidence.cosines, rule);
-        (Fixed::new(&y), Fixed::slopes(&y, &incidence.admittance_slopes(media, rule)))
+    let row = |(media, incidence): (&Media, &Incidence)| {
+        let of = |rule| Fixed::new(&Admittances::each(media, &incidence.cosines, rule));
+        Row { y: rules.each().map(of), paths: Paths::new(media, incidence, period) }
     };
-    match rules {
-        Rules::Mean => slopes_of_one(fixed(Rule::Mean), paths, wavenumbers, layers, out),
-        Rules::Each => slopes_of_both([fixed(Rule::S), fixed(Rule::P)], paths, wavenumbers, layers, out),
+    let fill = if rules == Rules::Mean { one } else { both };
+    match (media, incidences) {
+        ([media], [incidence]) => fill(&[row((media, incidence))], wavenumbers, layers, out),
+        _ => fill(&media.iter().zip(incidences).map(row).collect::<Vec<_>>(), wavenumbers, layers, out),
     }
 }
 
@@ -138,58 +67,90 @@ pub(crate) enum Rules {
     Mean,
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn one(fixed: Fixed, paths: Paths, wavenumbers: &[f64], layers: usize, out: &mut [SAndP]) {
-    for (chunk, out) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-        let phases = Phases::new(&padded(chunk), paths);
-        let found = phases.reflectivity(&fixed, layers);
-        for (out, found) in out.iter_mut().zip(found) {
-            *out = SAndP::both(found);
+impl Rules {
+    fn each(self) -> [Rule; 2] {
+        match self {
+            Self::Each => [Rule::S, Rule::P],
+            Self::Mean => [Rule::Mean; 2],
         }
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn both(fixed: [Fixed; 2], paths: Paths, wavenumbers: &[f64], layers: usize, out: &mut [SAndP]) {
-    for (chunk, out) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-        let phases = Phases::new(&padded(chunk), paths);
-        let s = phases.reflectivity(&fixed[0], layers);
-        let p = phases.reflectivity(&fixed[1], layers);
-        for ((out, s), p) in out.iter_mut().zip(s).zip(p) {
-            *out = SAndP { s, p };
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
+fn one(rows: &[Row<Fixed>], wavenumbers: &[f64], layers: usize, out: &mut [SAndP]) {
+    fused_or_not!(values_of_one(rows, wavenumbers, layers, out));
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
+fn both(rows: &[Row<Fixed>], wavenumbers: &[f64], layers: usize, out: &mut [SAndP]) {
+    fused_or_not!(values_of_both(rows, wavenumbers, layers, out));
+}
+
+#[inline(always)]
+fn values_of_one<const FUSED: bool>(rows: &[Row<Fixed>], wavenumbers: &[f64], layers: usize, out: &mut [SAndP]) {
+    for (number, (chunk, out)) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)).enumerate() {
+        let mut found = [SAndP { s: 0.0, p: 0.0 }; BLOCK];
+        if let [row] = rows {
+            block_of_one::<FUSED>(&Same(row.y[0]), &Same(row.paths), &padded(chunk), layers, &mut found);
+        } else {
+            let (y, _, paths) = rows_of(rows, number * BLOCK);
+            block_of_one::<FUSED>(&y, &paths, &padded(chunk), layers, &mut found);
         }
+        out.copy_from_slice(&found[..out.len()]);
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn slopes_of_one(fixed: (Fixed, Fixed), paths: Paths, wavenumbers: &[f64], layers: usize, out: &mut [StackSlopes]) {
-    for (chunk, out) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-        let k = padded(chunk);
-        let [cuticle, gap, angle] = Phases::new(&k, paths).slopes(&fixed, paths, &k, layers);
-        for (i, out) in out.iter_mut().enumerate() {
-            let [cuticle, gap, angle] = [cuticle[i], gap[i], angle[i]].map(SAndP::both);
-            *out = StackSlopes { cuticle, gap, angle };
-        }
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn slopes_of_both(
-    fixed: [(Fixed, Fixed); 2],
-    paths: Paths,
-    wavenumbers: &[f64],
+#[inline(always)]
+fn block_of_one<const FUSED: bool>(
+    y: &impl Lanes<Fixed>,
+    paths: &impl Lanes<Paths>,
+    k: &Block,
     layers: usize,
-    out: &mut [StackSlopes],
+    out: &mut [SAndP; BLOCK],
 ) {
-    for (chunk, out) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
+    let lost = Phases::new::<FUSED>(k, paths).lost::<FUSED>(y, layers);
+    for i in 0..BLOCK {
+        out[i] = SAndP::both(lost[i] / (lost[i] + y.at(i).through));
+    }
+}
+
+#[inline(always)]
+fn values_of_both<const FUSED: bool>(rows: &[Row<Fixed>], wavenumbers: &[f64], layers: usize, out: &mut [SAndP]) {
+    for (number, (chunk, out)) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)).enumerate() {
         let k = padded(chunk);
-        let phases = Phases::new(&k, paths);
-        let s = phases.slopes(&fixed[0], paths, &k, layers);
-        let p = phases.slopes(&fixed[1], paths, &k, layers);
-        for (i, out) in out.iter_mut().enumerate() {
-            let [cuticle, gap, angle] = [0, 1, 2].map(|by| SAndP { s: s[by][i], p: p[by][i] });
-            *out = StackSlopes { cuticle, gap, angle };
+        let mut found = [SAndP { s: 0.0, p: 0.0 }; BLOCK];
+        if let [Row { y: [s, p], paths }] = rows {
+            let (s, p, paths) = (Same(*s), Same(*p), Same(*paths));
+            // A whole block is written where it belongs.
+            if let Ok(whole) = <&mut [SAndP; BLOCK]>::try_from(&mut *out) {
+                block_of_both::<FUSED>([&s, &p], &paths, &k, layers, whole);
+                continue;
+            }
+            block_of_both::<FUSED>([&s, &p], &paths, &k, layers, &mut found);
+        } else {
+            let (s, p, paths) = rows_of(rows, number * BLOCK);
+            block_of_both::<FUSED>([&s, &p], &paths, &k, layers, &mut found);
         }
+        out.copy_from_slice(&found[..out.len()]);
+    }
+}
+
+#[inline(always)]
+fn block_of_both<const FUSED: bool>(
+    y: [&impl Lanes<Fixed>; 2],
+    paths: &impl Lanes<Paths>,
+    k: &Block,
+    layers: usize,
+    out: &mut [SAndP; BLOCK],
+) {
+    let phases = Phases::new::<FUSED>(k, paths);
+    let (s, p) = (phases.lost::<FUSED>(y[0], layers), phases.lost::<FUSED>(y[1], layers));
+    for i in 0..BLOCK {
+        // One division for both: it costs as much as a sine.
+        let (whole_s, whole_p) = (s[i] + y[0].at(i).through, p[i] + y[1].at(i).through);
+        let inverse = 1.0 / (whole_s * whole_p);
+        let (s, p) = (s[i] * (whole_p * inverse), p[i] * (whole_s * inverse));
+        out[i] = SAndP { s: if s < 1.0 { s } else { 1.0 }, p: if p < 1.0 { p } else { 1.0 } };
     }
 }
 
@@ -210,12 +171,12 @@ struct Phases {
 
 impl Phases {
     #[inline(always)]
-    fn new(k: &Block, paths: Paths) -> Self {
+    fn new<const FUSED: bool>(k: &Block, paths: &impl Lanes<Paths>) -> Self {
         let zero = [0.0; BLOCK];
         let mut phases = Self { cos_cos: zero, sin_sin: zero, cos_sin: zero, sin_cos: zero };
         for i in 0..BLOCK {
-            let (sin_c, cos_c) = sin_cos_up_to_sign(k[i] * paths.cuticle);
-            let (sin_g, cos_g) = sin_cos_up_to_sign(k[i] * paths.gap);
+            let (sin_c, cos_c) = sin_cos_fused::<FUSED>(k[i] * paths.at(i).cuticle);
+            let (sin_g, cos_g) = sin_cos_fused::<FUSED>(k[i] * paths.at(i).gap);
             phases.cos_cos[i] = cos_c * cos_g;
             phases.sin_sin[i] = sin_c * sin_g;
             phases.cos_sin[i] = cos_c * sin_g;
@@ -225,113 +186,61 @@ impl Phases {
     }
 
     #[inline(always)]
-    fn trace(&self, y: &Fixed) -> Block {
+    fn trace<const FUSED: bool>(&self, y: &impl Lanes<Fixed>) -> Block {
         let mut trace = [0.0; BLOCK];
-        let ratios = y.ratio + y.inverse_ratio;
         for i in 0..BLOCK {
-            trace[i] = 2.0 * self.cos_cos[i] - self.sin_sin[i] * ratios;
+            trace[i] = mul_add::<FUSED>(-y.at(i).ratios, self.sin_sin[i], 2.0 * self.cos_cos[i]);
         }
         trace
     }
 
-    /// As [`super::periodic::reflectivity`], without a branch. What overflows is opaque, and 0/0 is grazing: both are 1.
+    /// The numerator N of [`super::periodic`]'s R, at most [`OPAQUE`], which what overflows is taken for.
     #[inline(always)]
-    fn reflectivity(&self, y: &Fixed, layers: usize) -> Block {
-        let (u, v) = power(&self.trace(y), layers);
-        let mut found = [0.0; BLOCK];
+    fn lost<const FUSED: bool>(&self, y: &impl Lanes<Fixed>, layers: usize) -> Block {
+        let (u, trace) = power::<FUSED>(&self.trace::<FUSED>(y), layers);
+        let mut lost = [0.0; BLOCK];
         for i in 0..BLOCK {
-            let m11 = self.cos_cos[i] - self.sin_sin[i] * y.ratio;
-            let m22 = self.cos_cos[i] - self.sin_sin[i] * y.inverse_ratio;
-            let real = y.ambient * (u[i] * m11 - v[i]) - y.base * (u[i] * m22 - v[i]);
-            let imaginary = u[i] * (y.cos_sin * self.cos_sin[i] + y.sin_cos * self.sin_cos[i]);
-            let numerator = real * real + imaginary * imaginary;
-            let ratio = numerator / (numerator + y.through);
-            found[i] = if ratio <= 1.0 { ratio } else { 1.0 };
-        }
-        found
-    }
-
-    /// Backwards from R, its derivatives by the thickness of cuticle and gap and by the angle. Where R is 1 they are 0.
-    #[inline(always)]
-    fn slopes(&self, (y, by_angle): &(Fixed, Fixed), paths: Paths, k: &Block, layers: usize) -> [Block; 3] {
-        let (u, v, by_u, by_v) = power_and_slope(&self.trace(y), layers);
-        let (mut cuticle, mut gap, mut angle) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-        let ratios = y.ratio + y.inverse_ratio;
-        for i in 0..BLOCK {
-            let (cc, ss, cs, sc) = (self.cos_cos[i], self.sin_sin[i], self.cos_sin[i], self.sin_cos[i]);
-            let (m11, m22) = (cc - ss * y.ratio, cc - ss * y.inverse_ratio);
-            let (a11, a22) = (u[i] * m11 - v[i], u[i] * m22 - v[i]);
-            let real = y.ambient * a11 - y.base * a22;
-            let off_diagonal = y.cos_sin * cs + y.sin_cos * sc;
+            let y = y.at(i);
+            let real = mul_add::<FUSED>(y.half_step, trace[i], u[i] * (y.contrast * self.sin_sin[i]));
+            let off_diagonal = mul_add::<FUSED>(y.cos_sin, self.cos_sin[i], y.sin_cos * self.sin_cos[i]);
             let imaginary = u[i] * off_diagonal;
-            let numerator = real * real + imaginary * imaginary;
-            let whole = 1.0 / (numerator + y.through);
-            let value = numerator * whole;
-            // Each name is the derivative of R by the value of that name.
-            let (d_numerator, d_through) = (y.through * whole * whole, -value * whole);
-            let (d_real, d_imaginary) = (2.0 * real * d_numerator, 2.0 * imaginary * d_numerator);
-            let d_u = d_real * (y.ambient * m11 - y.base * m22) + d_imaginary * off_diagonal;
-            let d_v = d_real * (y.base - y.ambient);
-            let d_trace = d_u * by_u[i] + d_v * by_v[i];
-            let (d_m11, d_m22) = (d_real * y.ambient * u[i], -d_real * y.base * u[i]);
-            let d_cc = d_m11 + d_m22 + 2.0 * d_trace;
-            let d_ss = -(d_m11 * y.ratio + d_m22 * y.inverse_ratio + d_trace * ratios);
-            let d_off = d_imaginary * u[i];
-            let (d_cs, d_sc) = (d_off * y.cos_sin, d_off * y.sin_cos);
-            let d_cuticle = d_ss * cs + d_sc * cc - d_cc * sc - d_cs * ss;
-            let d_gap = d_ss * sc + d_cs * cc - d_cc * cs - d_sc * ss;
-            let d_angle = k[i] * (d_cuticle * paths.by_angle.0 + d_gap * paths.by_angle.1)
-                + d_real * (a11 * by_angle.ambient - a22 * by_angle.base)
-                - ss * ((d_m11 + d_trace) * by_angle.ratio + (d_m22 + d_trace) * by_angle.inverse_ratio)
-                + d_off * (cs * by_angle.cos_sin + sc * by_angle.sin_cos)
-                + d_through * by_angle.through;
-            let inside = value < 1.0;
-            cuticle[i] = if inside { d_cuticle * k[i] * paths.by_thickness.0 } else { 0.0 };
-            gap[i] = if inside { d_gap * k[i] * paths.by_thickness.1 } else { 0.0 };
-            angle[i] = if inside { d_angle } else { 0.0 };
+            let numerator = mul_add::<FUSED>(real, real, imaginary * imaginary);
+            lost[i] = if numerator < OPAQUE { numerator } else { OPAQUE };
         }
-        [cuticle, gap, angle]
+        lost
     }
 }
 
-/// `(U_(M-1)(x), U_(M-2)(x))` for `trace = 2 x`, by doubling.
+/// `U_(M-1)(x)` and `2 T_M(x)`, the trace of M periods, for `trace = 2 x`.
+///
+/// ```text
+/// U_(2m-1) = U_(m-1) 2 T_m,   2 T_2m = (2 T_m)² - 2,   U_m = x U_(m-1) + T_m,   2 T_(m+1) = x 2 T_m + 2 (x² - 1) U_(m-1)
+/// ```
 #[inline(always)]
-fn power(trace: &Block, periods: usize) -> (Block, Block) {
-    let (mut u, mut v): (Block, Block) = ([1.0; BLOCK], [0.0; BLOCK]);
-    let bits = usize::BITS - periods.leading_zeros();
-    for bit in (0..bits.saturating_sub(1)).rev() {
-        let odd = (periods >> bit) & 1 == 1;
+fn power<const FUSED: bool>(trace: &Block, periods: usize) -> (Block, Block) {
+    let (mut u, mut of_all): (Block, Block) = ([1.0; BLOCK], *trace);
+    for odd in doublings(periods) {
         for i in 0..BLOCK {
-            let doubled = u[i] * (trace[i] * u[i] - 2.0 * v[i]);
-            let before = (u[i] - v[i]) * (u[i] + v[i]);
-            let next = trace[i] * doubled - before;
-            (u[i], v[i]) = if odd { (next, doubled) } else { (doubled, before) };
+            u[i] *= of_all[i];
+            of_all[i] = mul_add::<FUSED>(of_all[i], of_all[i], -2.0);
+        }
+        if odd {
+            for i in 0..BLOCK {
+                let half = 0.5 * trace[i];
+                let next = mul_add::<FUSED>(half, u[i], 0.5 * of_all[i]);
+                of_all[i] = mul_add::<FUSED>(half, of_all[i], mul_add::<FUSED>(trace[i], half, -2.0) * u[i]);
+                u[i] = next;
+            }
         }
     }
-    (u, v)
+    (u, of_all)
 }
 
-/// [`power`] and its derivatives by the trace.
+/// The binary digits of M below the first: a doubling for each, and one period more where it is `true`.
 #[inline(always)]
-fn power_and_slope(trace: &Block, periods: usize) -> (Block, Block, Block, Block) {
-    let (mut u, mut v): (Block, Block) = ([1.0; BLOCK], [0.0; BLOCK]);
-    let (mut by_u, mut by_v): (Block, Block) = ([0.0; BLOCK], [0.0; BLOCK]);
-    let bits = usize::BITS - periods.leading_zeros();
-    for bit in (0..bits.saturating_sub(1)).rev() {
-        let odd = (periods >> bit) & 1 == 1;
-        for i in 0..BLOCK {
-            let factor = trace[i] * u[i] - 2.0 * v[i];
-            let doubled = u[i] * factor;
-            let by_doubled = by_u[i] * factor + u[i] * (u[i] + trace[i] * by_u[i] - 2.0 * by_v[i]);
-            let before = (u[i] - v[i]) * (u[i] + v[i]);
-            let by_before = 2.0 * (u[i] * by_u[i] - v[i] * by_v[i]);
-            let next = trace[i] * doubled - before;
-            let by_next = doubled + trace[i] * by_doubled - by_before;
-            (u[i], v[i]) = if odd { (next, doubled) } else { (doubled, before) };
-            (by_u[i], by_v[i]) = if odd { (by_next, by_doubled) } else { (by_doubled, by_before) };
-        }
-    }
-    (u, v, by_u, by_v)
+fn doublings(periods: usize) -> impl Iterator<Item = bool> {
+    let digits = usize::BITS - periods.leading_zeros();
+    (0..digits.saturating_sub(1)).rev().map(move |digit| (periods >> digit) & 1 == 1)
 }
 
 #[cfg(test)]

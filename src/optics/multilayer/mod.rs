@@ -2,10 +2,12 @@
 //!
 //! Three forms of the same physics. [`intensity`] is the paper's recurrence as printed, for real indices. [`periodic`] is the
 //! closed form of the periodic stack, for real indices and any number of layers at the same cost; [`reflectivities`] is the
-//! same for a whole spectrum at once, in vector code. [`amplitude`] carries the complex fields through any list of layers.
-//! [`reflectivity`] picks the cheapest that holds.
+//! same for a whole spectrum at once, in vector code. [`amplitude`] carries the complex fields through any list of layers,
+//! [`general`] at many wavelengths at once. [`reflectivity`] picks the cheapest that holds.
 
 pub mod amplitude;
+pub(crate) mod fields;
+pub mod general;
 pub mod intensity;
 pub(crate) mod lanes;
 pub mod periodic;
@@ -15,7 +17,9 @@ use crate::optics::material::WAVELENGTHS;
 use crate::optics::stack::{MAX_LAYERS, Media};
 use crate::optics::structure::Structure;
 use amplitude::Layer;
+use fields::Layers;
 pub(crate) use lanes::Rules;
+use nalgebra::Complex;
 use periodic::{Cosines, Incidence};
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -97,13 +101,17 @@ pub struct StackSlopes {
 /// # Ok::<(), morpho_fit::optics::OpticsError>(())
 /// ```
 pub fn reflectivity(media: &Media, period: Period, layers: usize, angle: f64) -> Result<SAndP, OpticsError> {
+    validate(media, period, layers)?;
+    require(angle.is_finite(), "angle", angle, "rad", "finite")?;
+    Ok(reflectivity_unchecked(media, period, layers, angle))
+}
+
+fn validate(media: &Media, period: Period, layers: usize) -> Result<(), OpticsError> {
     media.validate()?;
     period.validate()?;
-    require(true, "angle", angle, "rad", "finite")?;
     #[allow(clippy::cast_precision_loss, reason = "for a message")]
     let count = layers as f64;
-    require((1..=MAX_LAYERS).contains(&layers), "layers", count, "", "1 to 100000")?;
-    Ok(reflectivity_unchecked(media, period, layers, angle))
+    require((1..=MAX_LAYERS).contains(&layers), "layers", count, "", "1 to 100000")
 }
 
 /// [`reflectivity`] at many wavelengths (nm) of one angle, in media whose indices are those of `media` at all of them.
@@ -129,56 +137,100 @@ pub fn reflectivities(
     layers: usize,
     angle: f64,
 ) -> Result<Vec<SAndP>, OpticsError> {
+    spectra(media, wavelengths, period, layers, &[angle])
+}
+
+/// [`reflectivities`] at many angles (rad): the fastest way to fill a chart of wavelengths and angles.
+///
+/// # Shape
+/// `[angles][wavelengths]`, one spectrum after the other.
+///
+/// # Errors
+/// As [`reflectivities`].
+///
+/// ```
+/// use morpho_fit::optics::{Stack, multilayer::{Period, spectra}};
+/// let stack = Stack::default();
+/// let period = Period { cuticle: 100.0, gap: 135.0 };
+/// let found = spectra(&stack.media(500.0)?, &[480.0, 583.0], period, stack.layers, &[0.0, 30_f64.to_radians()])?;
+/// assert!((found[0].s - 0.409538957612).abs() < 1e-11 && (found[2].s - 0.998360050717).abs() < 1e-11);
+/// # Ok::<(), morpho_fit::optics::OpticsError>(())
+/// ```
+pub fn spectra(
+    media: &Media,
+    wavelengths: &[f64],
+    period: Period,
+    layers: usize,
+    angles: &[f64],
+) -> Result<Vec<SAndP>, OpticsError> {
     let first = wavelengths.first().copied().unwrap_or(media.wavelength);
-    reflectivity(&Media { wavelength: first, ..*media }, period, layers, angle)?;
-    for &wavelength in wavelengths {
-        require(WAVELENGTHS.contains(&wavelength), "wavelength", wavelength, "nm", "10 to 1e6")?;
+    validate(&Media { wavelength: first, ..*media }, period, layers)?;
+    for &angle in angles {
+        require(angle.is_finite(), "angle", angle, "rad", "finite")?;
     }
-    let wavenumbers: Vec<f64> = wavelengths.iter().map(|wavelength| TAU / wavelength).collect();
-    let mut found = vec![SAndP::both(0.0); wavelengths.len()];
-    reflectivities_unchecked(media, &wavenumbers, period, layers, angle, &mut found);
+    let wavenumbers = wavenumbers(wavelengths)?;
+    let mut found = vec![SAndP::both(0.0); wavelengths.len() * angles.len()];
+    for (&angle, found) in angles.iter().zip(found.chunks_exact_mut(wavelengths.len().max(1))) {
+        reflectivities_unchecked(&[*media], &wavenumbers, period, layers, angle, found);
+    }
     Ok(found)
 }
 
-/// [`reflectivities`] for inputs that were checked before, by `2 pi / wavelength`.
+/// `2 pi / wavelength` of checked wavelengths.
+fn wavenumbers(wavelengths: &[f64]) -> Result<Vec<f64>, OpticsError> {
+    for &wavelength in wavelengths {
+        require(WAVELENGTHS.contains(&wavelength), "wavelength", wavelength, "nm", "10 to 1e6")?;
+    }
+    Ok(wavelengths.iter().map(|wavelength| TAU / wavelength).collect())
+}
+
+/// [`reflectivities`] for inputs that were checked before, by `2 pi / wavelength`; `media` are one for all or one for each.
 pub(crate) fn reflectivities_unchecked(
-    media: &Media,
+    media: &[Media],
     wavenumbers: &[f64],
     period: Period,
     layers: usize,
     angle: f64,
     out: &mut [SAndP],
 ) {
-    match traveling(media, angle) {
-        Some(incidence) => lanes::values(media, &incidence, period, layers, Rules::Each, wavenumbers, out),
-        None => {
-            for (out, wavenumber) in out.iter_mut().zip(wavenumbers) {
-                *out = reflectivity_unchecked(&Media { wavelength: TAU / wavenumber, ..*media }, period, layers, angle);
-            }
-        }
+    if let Some(incidences) = traveling(media, angle) {
+        lanes::values(media, &incidences, period, layers, Rules::Each, wavenumbers, out);
+        return;
     }
+    let row = |index: fn(&Media) -> Complex<f64>| media.iter().map(index).collect::<Vec<_>>();
+    let layers = Layers {
+        ambient: &row(|media| Complex::new(media.ambient, 0.0)),
+        base: &row(|media| media.base),
+        media: &[&row(|media| media.gap), &row(|media| media.cuticle)],
+        kinds: &[(0, period.gap), (1, period.cuticle)],
+        order: &[0, 1],
+        repeats: layers,
+    };
+    general::reflectivities_unchecked(&layers, wavenumbers, angle, out);
 }
 
 /// [`reflectivities_unchecked`] with their derivatives; `false`, and nothing written, where a medium absorbs or a wave does not
 /// travel.
 pub(crate) fn slopes_unchecked(
-    media: &Media,
+    media: &[Media],
     wavenumbers: &[f64],
     period: Period,
     layers: usize,
     angle: f64,
     slopes: &mut [StackSlopes],
 ) -> bool {
-    let incidence = traveling(media, angle);
-    if let Some(incidence) = &incidence {
-        lanes::slopes(media, incidence, period, layers, Rules::Each, wavenumbers, slopes);
+    let incidences = traveling(media, angle);
+    if let Some(incidences) = &incidences {
+        lanes::slopes(media, incidences, period, layers, Rules::Each, wavenumbers, slopes);
     }
-    incidence.is_some()
+    incidences.is_some()
 }
 
-/// The cosines where every wave of the stack travels and none is absorbed.
-fn traveling(media: &Media, angle: f64) -> Option<Incidence> {
-    (angle.cos() > 0.0 && media.absorbing().is_none()).then(|| Incidence::refracted(media, angle)).flatten()
+/// The cosines where every wave of the stack travels and none is absorbed, in all media.
+fn traveling(media: &[Media], angle: f64) -> Option<Vec<Incidence>> {
+    let (sin, cos) = angle.sin_cos();
+    let one = |media: &Media| media.absorbing().is_none().then(|| Incidence::of(media, (sin, cos))).flatten();
+    if cos > 0.0 { media.iter().map(one).collect() } else { None }
 }
 
 /// [`reflectivity`] for inputs that were checked before: the inner loop of a fit.

@@ -29,8 +29,14 @@ pub(crate) struct Cosines {
 
 impl Cosines {
     /// Snell's law, `n sin = n_ambient sin(angle)`; `None` if a wave is evanescent or exactly along its layer.
+    #[inline]
     pub(crate) fn refracted(media: &Media, angle: f64) -> Option<Self> {
-        let (sin, cos) = angle.sin_cos();
+        Self::of(media, angle.sin_cos())
+    }
+
+    /// [`Cosines::refracted`] by sine and cosine of the angle.
+    #[inline]
+    fn of(media: &Media, (sin, cos): (f64, f64)) -> Option<Self> {
         let inside = |n: f64| {
             // Where the medium is the ambient one the cosine is known exactly; 1 - sin² would lose it at grazing.
             let ratio = media.ambient / n;
@@ -56,8 +62,13 @@ pub(crate) struct Incidence {
 impl Incidence {
     /// As [`Cosines::refracted`].
     pub(crate) fn refracted(media: &Media, angle: f64) -> Option<Self> {
-        let cosines = Cosines::refracted(media, angle)?;
-        let (sin, cos) = angle.sin_cos();
+        Self::of(media, angle.sin_cos())
+    }
+
+    /// [`Incidence::refracted`] by sine and cosine of the angle.
+    #[inline]
+    pub(crate) fn of(media: &Media, (sin, cos): (f64, f64)) -> Option<Self> {
+        let cosines = Cosines::of(media, (sin, cos))?;
         // cos_j² = 1 - (n_a/n_j)² sin²
         let slope = |n: f64, inside: f64| -(media.ambient / n).powi(2) * sin * cos / inside;
         let slopes = Cosines {
