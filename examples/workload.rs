@@ -326,6 +326,23 @@ pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
 
 /// W7: the table of linear colours over theta, phi and omega, every plane written out.
 pub(crate) fn colour_table(workload: &Value, folder: &Path) -> Result<Value> {
+    let mut seconds = 0.0;
+    let values = colour_table_values(workload, folder, &mut |work| {
+        seconds = median_seconds(work)?;
+        Ok(())
+    })?;
+    if let Ok(path) = std::env::var("MORPHO_OUT") {
+        std::fs::write(path, values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
+    }
+    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "values": values.len() }))
+}
+
+/// The table, filled by `run` as often as it likes.
+pub(crate) fn colour_table_values(
+    workload: &Value,
+    folder: &Path,
+    run: &mut dyn FnMut(&mut dyn FnMut() -> Result<()>) -> Result<()>,
+) -> Result<Vec<f64>> {
     let fixed = |key: &str| number(&workload["fixed"][key]);
     let model = PaperModel {
         stack: Stack {
@@ -348,13 +365,9 @@ pub(crate) fn colour_table(workload: &Value, folder: &Path) -> Result<Value> {
     let [wavelengths, red, green, blue] = table.try_into().map_err(|_| "weights have four columns")?;
     let weights = Quantity::Colour([red, green, blue]);
     let mut values = vec![0.0; 3 * nodes.count()];
-    let seconds = median_seconds(|| {
-        let weights = weights.clone();
-        let source = Source::new(&model, &structure, Polarization::Unpolarized, &wavelengths, weights)?;
+    run(&mut || {
+        let source = Source::new(&model, &structure, Polarization::Unpolarized, &wavelengths, weights.clone())?;
         Ok(source.fill(&nodes, &mut values)?)
     })?;
-    if let Ok(path) = std::env::var("MORPHO_OUT") {
-        std::fs::write(path, values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
-    }
-    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "nodes": nodes.count(), "sum": values.iter().sum::<f64>() }))
+    Ok(values)
 }

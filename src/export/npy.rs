@@ -1,4 +1,4 @@
-//! Arrays in NumPy's file format.
+//! Arrays in the file format of `numpy`.
 
 use super::ExportError;
 

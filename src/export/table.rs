@@ -8,7 +8,7 @@ use crate::optics::{Stack, Structure};
 use crate::spectrum::Wavelengths;
 use crate::table::{Judged, Needs, Nodes, Table};
 use crate::units::degrees;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
 
 /// Schema of `table.json`.
 pub const TABLE_SCHEMA: &str = "morpho-fit/table/1";
@@ -107,7 +107,7 @@ pub fn table_json(sheet: &TableSheet<'_>) -> Result<Vec<u8>, ExportError> {
             "seed": needs.seed,
         },
     });
-    let mut bytes = serde_json::to_vec_pretty(&Value::from(text))?;
+    let mut bytes = serde_json::to_vec_pretty(&text)?;
     bytes.push(b'\n');
     Ok(bytes)
 }

@@ -58,7 +58,8 @@ mod tests {
     fn each_plane_has_its_cells() {
         let cells = vec![Some(Cell { bytes: [10, 20, 200], outside: false }), None];
         let plane = Plane { title: "ω = 90°".into(), x: vec![0.0, 1.0], y: vec![0.0], cells, ..Plane::default() };
-        let svg = draw(&planes_figure("a table", "", &[plane.clone()], "outside sRGB").unwrap()).unwrap().svg;
+        let svg =
+            draw(&planes_figure("a table", "", std::slice::from_ref(&plane), "outside sRGB").unwrap()).unwrap().svg;
         assert!(svg.to_lowercase().contains("#0a14c8") && svg.contains("ω = 90°"));
         let short = Plane { cells: vec![None], ..plane };
         assert!(matches!(planes_figure("", "", &[short], ""), Err(PlotError::Unequal { .. })));

@@ -172,7 +172,7 @@ words!(AcrossWord => Across {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TableFormat {
-    /// NumPy's array format, in single precision.
+    /// The array format of numpy, in single precision.
     Npy,
     /// Text, one node a row.
     Csv,
