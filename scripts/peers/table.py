@@ -40,7 +40,7 @@ class Table:
 
 
 def values(table, theta, phi, omega):
-    """The table at single directions (rad) in numpy, by the recurrence as printed: an independent form."""
+    """The table at single directions (rad) in numpy, layer by layer and wave by wave: another form."""
     d_air, d_cuticle, delta, phi_alpha, a = table.structure
     u, v = np.sin(theta) + np.sin(phi), np.cos(theta) + np.cos(phi)
     h = table.k * (d_air + d_cuticle) * v / 2
@@ -54,11 +54,11 @@ def values(table, theta, phi, omega):
     thickness = [d_air, d_cuticle] * table.periods
     cosines = [np.sqrt(1 - (np.sin(angle) / n) ** 2) for n in indices]
     y = [(n * c + n / c) / 2 for n, c in zip(indices, cosines)]
-    r = (y[0] - y[1]) / (y[0] + y[1]) + 0j * table.k
+    r = (y[1] - y[0]) / (y[1] + y[0]) + 0j * table.k
     for p, d in enumerate(thickness, start=1):
         rho = (y[p + 1] - y[p]) / (y[p + 1] + y[p])
         turned = r * np.exp(2j * table.k * indices[p] * d * cosines[p])
-        r = (rho - turned) / (1 - rho * turned)
+        r = (rho + turned) / (1 + rho * turned)
     off = abs(phi - 2 * delta + theta)
     lobe = np.cos(np.pi / 2 * off / phi_alpha) if off < phi_alpha else 0.0
     return table.weights @ (lamella * np.cos(omega) ** 2 + np.abs(r) ** 2 * lobe * np.sin(omega) ** 2)
