@@ -326,23 +326,21 @@ pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
 
 /// W7: the table of linear colours over theta, phi and omega, every plane written out.
 pub(crate) fn colour_table(workload: &Value, folder: &Path) -> Result<Value> {
-    let mut seconds = 0.0;
-    let values = colour_table_values(workload, folder, &mut |work| {
-        seconds = median_seconds(work)?;
-        Ok(())
-    })?;
+    let (values, seconds) = colour_table_values(workload, folder, |work| median_seconds(work))?;
     if let Ok(path) = std::env::var("MORPHO_OUT") {
         std::fs::write(path, values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
     }
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "values": values.len() }))
 }
 
-/// The table, filled by `run` as often as it likes.
+type Work<'a> = &'a mut dyn FnMut() -> Result<()>;
+
+/// The table, and what `run` says that filling it takes.
 pub(crate) fn colour_table_values(
     workload: &Value,
     folder: &Path,
-    run: &mut dyn FnMut(&mut dyn FnMut() -> Result<()>) -> Result<()>,
-) -> Result<Vec<f64>> {
+    run: impl FnOnce(Work<'_>) -> Result<f64>,
+) -> Result<(Vec<f64>, f64)> {
     let fixed = |key: &str| number(&workload["fixed"][key]);
     let model = PaperModel {
         stack: Stack {
@@ -365,9 +363,9 @@ pub(crate) fn colour_table_values(
     let [wavelengths, red, green, blue] = table.try_into().map_err(|_| "weights have four columns")?;
     let weights = Quantity::Colour([red, green, blue]);
     let mut values = vec![0.0; 3 * nodes.count()];
-    run(&mut || {
+    let seconds = run(&mut || {
         let source = Source::new(&model, &structure, Polarization::Unpolarized, &wavelengths, weights.clone())?;
         Ok(source.fill(&nodes, &mut values)?)
     })?;
-    Ok(values)
+    Ok((values, seconds))
 }

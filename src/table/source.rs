@@ -122,16 +122,22 @@ impl<'a> Source<'a> {
         }
         let shares: Vec<(f64, f64)> =
             nodes.omega().iter().map(|&omega| Geometry { omega, ..Geometry::default() }.plane_shares()).collect();
-        let row = needed / nodes.theta().len();
-        let rows = out.par_chunks_mut(row).zip(nodes.theta());
-        rows.try_for_each(|(out, &theta)| {
-            let phis: Vec<f64> = nodes.across().iter().map(|&at| nodes.kind().phi(theta, at)).collect();
-            match self.model.join() {
-                Join::Planes => self.planes(theta, &phis, &shares, out),
-                Join::Product { ridge_spacing } => self.product(theta, &phis, nodes.omega(), ridge_spacing, out),
-            }
-        })?;
+        if let [theta] = nodes.theta() {
+            // Waking other threads for one row would cost more than the row.
+            return Ok(self.row(*theta, nodes, &shares, out)?);
+        }
+        let rows = out.par_chunks_mut(needed / nodes.theta().len()).zip(nodes.theta());
+        rows.try_for_each(|(out, &theta)| self.row(theta, nodes, &shares, out))?;
         Ok(())
+    }
+
+    /// All nodes of one incidence.
+    fn row(&self, theta: f64, nodes: &Nodes, shares: &[(f64, f64)], out: &mut [f64]) -> Result<(), OpticsError> {
+        let phis: Vec<f64> = nodes.across().iter().map(|&at| nodes.kind().phi(theta, at)).collect();
+        match self.model.join() {
+            Join::Planes => self.planes(theta, &phis, shares, out),
+            Join::Product { ridge_spacing } => self.product(theta, &phis, nodes.omega(), ridge_spacing, out),
+        }
     }
 
     /// The values of one direction: what a table saves.

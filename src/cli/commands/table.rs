@@ -29,7 +29,7 @@ const SEEN: Polarization = Polarization::Unpolarized;
 const PROBES: usize = 600;
 /// Parts of the tolerance for the wavelengths, and for the nodes; what is left is for the directions that were not met.
 const OF_WAVELENGTHS: f64 = 0.15;
-const OF_NODES: f64 = 0.75;
+const OF_NODES: f64 = 0.9;
 /// Times that the wavelengths are chosen finer where both together miss the tolerance.
 const TRIES: usize = 4;
 /// Cells of the picture across and upwards.
