@@ -16,8 +16,9 @@ use morpho_fit::inversion::{
 };
 use morpho_fit::optics::multilayer::general::{Film, LayeredStack};
 use morpho_fit::optics::multilayer::{Period, spectra};
-use morpho_fit::optics::{Admittance, LamellaUnit, Material, Snell, Stack, Structure};
+use morpho_fit::optics::{Admittance, LamellaUnit, Material, PaperModel, Snell, Stack, Structure};
 use morpho_fit::spectrum::Wavelengths;
+use morpho_fit::table::{Across, Nodes, Quantity, Source, Turn};
 use morpho_fit::units::radians;
 use serde_json::{Value, json};
 use std::error::Error;
@@ -28,7 +29,7 @@ use std::time::Instant;
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn main() -> Result<()> {
-    let name = std::env::args().nth(1).ok_or("which workload? w1, general, w2, w3, w3b, w4, w5 or w6")?;
+    let name = std::env::args().nth(1).ok_or("which workload? w1, general, w2, w3, w3b, w4, w5, w6 or w7")?;
     let definition = PathBuf::from(std::env::var("MORPHO_WORKLOAD")?);
     let variant = std::env::var("MORPHO_VARIANT").unwrap_or_default();
     let workload: Value = serde_json::from_str(&std::fs::read_to_string(&definition)?)?;
@@ -40,6 +41,7 @@ fn main() -> Result<()> {
         "w4" => posterior_of_w2(&workload, folder)?,
         "w5" => pixels(&workload, folder, &variant)?,
         "w6" => colours(&workload, &variant)?,
+        "w7" => colour_table(&workload, folder)?,
         other => return Err(format!("this program has no workload {other} yet").into()),
     };
     println!("{line}");
@@ -57,6 +59,17 @@ fn numbers(value: &Value) -> Result<Vec<f64>> {
 
 fn number(value: &Value) -> Result<f64> {
     value.as_f64().ok_or_else(|| "not a number".into())
+}
+
+/// The values of a range, both ends included.
+fn range(workload: &Value, key: &str) -> Result<Vec<f64>> {
+    let at = |end: &str| number(&workload[key][end]);
+    let (start, stop, step) = (at("start")?, at("stop")?, at("step")?);
+    let mut values = vec![start];
+    while values[values.len() - 1] + step <= stop {
+        values.push(values[values.len() - 1] + step);
+    }
+    Ok(values)
 }
 
 /// The median time of several runs after the first, which pays for cold memory.
@@ -135,16 +148,7 @@ fn values(outcome: &FitOutcome) -> Vec<f64> {
 pub(crate) fn stack_samples(workload: &Value, variant: &str, general: bool) -> Result<Value> {
     let (kind, small) = variant.strip_suffix("_small").map_or((variant, false), |kind| (kind, true));
     let n = |key: &str| number(&workload[key]);
-    let range = |key: &str| -> Result<Vec<f64>> {
-        let at = |end: &str| number(&workload[key][end]);
-        let (start, stop, step) = (at("start")?, at("stop")?, at("step")?);
-        let mut values = vec![start];
-        while values[values.len() - 1] + step <= stop {
-            values.push(values[values.len() - 1] + step);
-        }
-        Ok(values)
-    };
-    let (mut wavelengths, mut thetas) = (range("lambda_nm")?, range("theta_deg")?);
+    let (mut wavelengths, mut thetas) = (range(workload, "lambda_nm")?, range(workload, "theta_deg")?);
     if small {
         wavelengths = wavelengths.into_iter().step_by(10).collect();
         thetas.truncate(1);
@@ -329,4 +333,50 @@ pub(crate) fn colours(workload: &Value, variant: &str) -> Result<Value> {
         "seconds": seconds, "cpu_seconds": seconds, "spectra": count, "spectra_per_second": count as f64 / seconds,
         "worst_check": worst, "checked": checked,
     }))
+}
+
+/// W7: the table of linear colours over theta, phi and omega, every plane written out.
+pub(crate) fn colour_table(workload: &Value, folder: &Path) -> Result<Value> {
+    let (values, seconds) = colour_table_values(workload, folder, |work| median_seconds(work))?;
+    if let Ok(path) = std::env::var("MORPHO_OUT") {
+        std::fs::write(path, values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
+    }
+    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "values": values.len() }))
+}
+
+type Work<'a> = &'a mut dyn FnMut() -> Result<()>;
+
+/// The table, and what `run` says that filling it takes.
+pub(crate) fn colour_table_values(
+    workload: &Value,
+    folder: &Path,
+    run: impl FnOnce(Work<'_>) -> Result<f64>,
+) -> Result<(Vec<f64>, f64)> {
+    let fixed = |key: &str| number(&workload["fixed"][key]);
+    let model = PaperModel {
+        stack: Stack {
+            ambient: Material::constant(fixed("n_air")?),
+            cuticle: Material::constant(fixed("n_cuticle")?),
+            gap: Material::constant(fixed("n_air")?),
+            base: Material::constant(fixed("n_base")?),
+            layers: serde_json::from_value(workload["fixed"]["M"].clone())?,
+            filling: None,
+        },
+        lamella_unit: LamellaUnit::Reference { width: fixed("a_ref_nm")? },
+        ..PaperModel::default()
+    };
+    let [d_air, d_cuticle, delta, phi_alpha, lamella_width] =
+        numbers(&workload["p"])?.try_into().map_err(|_| "p has five values")?;
+    let structure = Structure { d_air, d_cuticle, delta: radians(delta), phi_alpha, lamella_width };
+    let axis = |key: &str| -> Result<Vec<f64>> { Ok(range(workload, key)?.into_iter().map(radians).collect()) };
+    let nodes = Nodes::new(axis("theta_deg")?, axis("phi_deg")?, axis("omega_deg")?, Across::View, Turn::Share)?;
+    let table = columns(&folder.join(workload["weights"].as_str().ok_or("no weights")?))?;
+    let [wavelengths, red, green, blue] = table.try_into().map_err(|_| "weights have four columns")?;
+    let weights = Quantity::Colour([red, green, blue]);
+    let mut values = vec![0.0; 3 * nodes.count()];
+    let seconds = run(&mut || {
+        let source = Source::new(&model, &structure, Polarization::Unpolarized, &wavelengths, weights.clone())?;
+        Ok(source.fill(&nodes, &mut values)?)
+    })?;
+    Ok((values, seconds))
 }

@@ -47,7 +47,7 @@
 //! simulation, rough or random structures, pigment, and colour of anything that is not a layer.
 //!
 //! Imports run downwards: `units`, `numerics` · `geometry`, `spectrum` · `optics`, `colorimetry`, `dataset`, `optimise` ·
-//! `uncertainty`, `synthetic` · `inversion` · `tradeoff` · `plot`, `export` · `report`. Only the program touches files, terminal and clock.
+//! `uncertainty`, `synthetic`, `sweep`, `table` · `inversion` · `tradeoff` · `plot`, `export` · `report`. Only the program touches files, terminal and clock.
 #![cfg_attr(
     not(test),
     warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, clippy::print_stderr)
@@ -66,6 +66,7 @@ pub mod report;
 pub mod spectrum;
 pub mod sweep;
 pub mod synthetic;
+pub mod table;
 #[cfg(feature = "tradeoff")]
 pub mod tradeoff;
 pub mod uncertainty;

@@ -7,7 +7,7 @@ const FLOORS: [&[&str]; 8] = [
     &["units", "numerics"],
     &["geometry", "spectrum"],
     &["optics", "colorimetry", "dataset", "optimise"],
-    &["uncertainty", "synthetic", "sweep", "brdf"],
+    &["uncertainty", "synthetic", "sweep", "table", "brdf"],
     &["inversion", "render"],
     &["tradeoff"],
     &["plot", "export"],

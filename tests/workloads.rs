@@ -80,6 +80,26 @@ fn w5_fits_all_of_1000_pixels() {
     assert!(found["largest_reduced_chi2"].as_f64().unwrap() < 1.15, "{}", found["largest_reduced_chi2"]);
 }
 
+/// Each value in 40 digits by another program, at the ends of the axes, on the mirror direction and anywhere.
+#[test]
+fn w7_is_the_table_of_another_program() {
+    let once = |work: &mut dyn FnMut() -> workload::Result<()>| work().map(|()| 0.0);
+    let found = workload::colour_table_values(&definition(&folder(), "w7.json"), &folder(), once);
+    let (table, _) = found.unwrap();
+    assert_eq!(table.len(), 91 * 181 * 46 * 3);
+    let mut rows = csv::Reader::from_path(folder().parent().unwrap().join("w7_checks.csv")).unwrap();
+    let mut checked = 0;
+    for row in rows.deserialize::<(usize, isize, usize, f64, f64, f64)>() {
+        let (theta, phi, omega, red, green, blue) = row.unwrap();
+        let first = 3 * ((theta * 181 + phi.checked_add(90).unwrap().unsigned_abs()) * 46 + omega / 2);
+        for (found, known) in table[first..first + 3].iter().zip([red, green, blue]) {
+            assert!((found - known).abs() < 1e-12, "theta {theta}, phi {phi}, omega {omega}: {found} for {known}");
+        }
+        checked += 1;
+    }
+    assert_eq!(checked, 67);
+}
+
 #[test]
 #[ignore = "scripts/test runs it where MORPHO_WORKLOADS names the folder of the definitions"]
 fn w6_has_the_colours_of_the_definition() {

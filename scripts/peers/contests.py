@@ -11,13 +11,14 @@ from scipy.optimize import least_squares, leastsq
 
 import model
 import stack
+import table
 from model import PARAMETERS, Design
 from timing import Contest, Run, program, short, timed
 from waves import library_sin_cos
 
 logging.getLogger("emcee").setLevel(logging.ERROR)  # tau of a short chain is said to be uncertain; the table shows tau
 
-AGREE_STACK, AGREE_CHI2 = 1e-11, 1e-6
+AGREE_STACK, AGREE_CHI2, AGREE_TABLE = 1e-11, 1e-6, 1e-11
 SUCCESS = 1.05
 WALKERS, STEPS = 32, 2000
 AGREE_SPREAD = (
@@ -331,10 +332,51 @@ def posterior_contests(folder, path):
     )
 
 
+# --- W7 ----------------------------------------------------------------------------------------------------------------
+
+
+def table_contests(folder, path):
+    workload = json.loads((folder / "w7.json").read_text())
+    weights = np.loadtxt(folder / workload["weights"], delimiter=",", skiprows=1)
+    asked = table.Table(workload, weights)
+    known, random = [], np.random.default_rng(7)
+    for _ in range(300):
+        place = tuple(int(random.integers(size)) for size in asked.shape[:3])
+        at = [axis[index] for axis, index in zip((asked.theta, asked.phi, asked.omega), place)]
+        known.append((place, table.values(asked, *at)))
+
+    def judge(_ours, _name, run):
+        difference = max(float(np.abs(run.found[place] - value).max()) for place, value in known)
+        return f"{difference:.0e}", difference <= AGREE_TABLE
+
+    def filled(fill):
+        out = np.empty(asked.shape)
+
+        def work():
+            fill(asked.theta, asked.phi, asked.omega, asked.k, asked.weights, out)
+            return out
+
+        return short(1, work)
+
+    yield Contest(
+        "W7",
+        {
+            "this crate": program(path, folder / "w7.json", "w7", "", lambda _, out: (1, out.reshape(asked.shape))),
+            "numba, as written down": filled(table.compiled_naive(asked)),
+            "numba, spectra of both planes once": filled(table.compiled_hoisted(asked)),
+            "numba, colours of both planes once, vector sine": filled(table.compiled_separable(asked)),
+        },
+        "ms a table",
+        lambda rate: f"{1e3 / rate:.3g}",
+        judge,
+    )
+
+
 CONTESTS = {
     "w1": stack_contests,
     "w2": fit_contests,
     "w3b": global_contests,
     "w4": posterior_contests,
     "w5": pixel_contests,
+    "w7": table_contests,
 }

@@ -7,6 +7,7 @@ use morpho_fit::optics::OpticsError;
 use morpho_fit::report::paper::PaperError;
 use morpho_fit::sweep::SweepError;
 use morpho_fit::synthetic::SimulationError;
+use morpho_fit::table::TableError;
 use std::error::Error;
 use std::io;
 use std::process::ExitCode;
@@ -99,6 +100,13 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
     }
     if let Some(PaperError::Sweep(SweepError::Optics(error))) = cause.downcast_ref() {
         return Some(code_of_optics(error));
+    }
+    if let Some(error) = cause.downcast_ref::<TableError>() {
+        return Some(match error {
+            TableError::Optics(error) => code_of_optics(error),
+            TableError::TooLarge { .. } => NOT_CONVERGED,
+            _ => USAGE,
+        });
     }
     if let Some(error) = cause.downcast_ref::<SimulationError>() {
         return Some(match error {

@@ -26,7 +26,12 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
         Some(Command::Sample(args)) => ("sample", &args.problem.settings),
         Some(Command::Check(args)) => ("check", &args.problem.settings),
         Some(
-            Command::Simulate(_) | Command::Curves(_) | Command::Sweep(_) | Command::Paper(_) | Command::Tradeoff(_),
+            Command::Simulate(_)
+            | Command::Curves(_)
+            | Command::Sweep(_)
+            | Command::Table(_)
+            | Command::Paper(_)
+            | Command::Tradeoff(_),
         ) => return Ok(cli),
     };
     let Some(path) = path else { return Ok(cli) };

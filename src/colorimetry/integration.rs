@@ -82,6 +82,38 @@ impl Integration {
         self.white
     }
 
+    /// What each wavelength adds to X, Y and Z, those of a perfect white being 1, 1, 1: X/Xn, Y/Yn, Z/Zn for [`super::Lab::new`]
+    /// under a white of ones.
+    ///
+    /// # Shape
+    /// The result: `[X, Y, Z][wavelength]`.
+    #[must_use]
+    pub fn relative_weights(&self) -> [Vec<f64>; 3] {
+        let mut weights = self.weights.clone();
+        for (of_one, white) in weights.iter_mut().zip(self.white.to_array()) {
+            of_one.iter_mut().for_each(|weight| *weight /= white);
+        }
+        weights
+    }
+
+    /// What each wavelength adds to linear red, green and blue.
+    ///
+    /// # Shape
+    /// The result: `[red, green, blue][wavelength]`.
+    ///
+    /// # Errors
+    /// As [`RgbTransform::linear`].
+    pub fn linear_weights(&self, transform: &RgbTransform) -> Result<[Vec<f64>; 3], ColourError> {
+        let [x, y, z] = &self.weights;
+        let mut weights: [Vec<f64>; 3] = Default::default();
+        for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
+            for (of_one, channel) in weights.iter_mut().zip(transform.linear(Xyz { x, y, z })?) {
+                of_one.push(channel);
+            }
+        }
+        Ok(weights)
+    }
+
     /// XYZ of one spectrum of reflectances (fractions; below 0 and above 1 are let through).
     ///
     /// # Shape

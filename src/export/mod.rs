@@ -1,9 +1,11 @@
-//! Results as bytes: `fit.json`, `curves.csv` and the samples behind intervals. Nothing here opens a file.
+//! Results as bytes: `fit.json`, `curves.csv`, the samples behind intervals, tables. Nothing here opens a file.
 
 mod colours;
 mod curves;
 mod json;
+mod npy;
 mod samples;
+mod table;
 mod terms;
 #[cfg(feature = "tradeoff")]
 mod tradeoff;
@@ -11,7 +13,9 @@ mod tradeoff;
 pub use colours::colours_csv;
 pub use curves::curves_csv;
 pub use json::{fit_json, read_fit_json};
+pub use npy::npy;
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
+pub use table::{MOST_ROWS, TABLE_SCHEMA, TableSheet, table_csv, table_json};
 pub use terms::terms_csv;
 #[cfg(feature = "tradeoff")]
 pub use tradeoff::tradeoff_csv;
@@ -33,6 +37,14 @@ pub enum ExportError {
     Schema {
         /// The schema it names.
         found: String,
+    },
+    /// An array that has not as many values as its shape says, or more than the format takes.
+    #[error("an array of the shape {shape:?} with {values} values cannot be written in this format")]
+    Shape {
+        /// Length of each axis.
+        shape: Vec<usize>,
+        /// Number of values.
+        values: usize,
     },
     /// The CSV writer failed.
     #[error("the table cannot be written as CSV")]

@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Up to so many layers the Chebyshev recurrence is taken: twice as fast as the ratio, and its rounding grows as
 /// `M²/3`, to 1e-14 here.
-const CHEBYSHEV_LAYERS: usize = 16;
+pub(crate) const CHEBYSHEV_LAYERS: usize = 16;
 /// Nodes that go together.
 const BLOCK: usize = 16;
 /// Below this argument the slope of a slit is taken by its series.
@@ -48,7 +48,7 @@ pub fn array_factor(x: f64, layers: usize) -> f64 {
 
 /// `sin(M x) / (M sin x) = U_(M-1)(cos x) / M` for several `x` at once: no ratio, and nothing to guard.
 #[inline(always)]
-fn chebyshev<const LANES: usize>(x: [f64; LANES], layers: usize) -> [f64; LANES] {
+pub(crate) fn chebyshev<const LANES: usize>(x: [f64; LANES], layers: usize) -> [f64; LANES] {
     let mut twice_cos = [0.0; LANES];
     for (twice_cos, x) in twice_cos.iter_mut().zip(x) {
         *twice_cos = 2.0 * cos_up_to_sign(x);

@@ -5,6 +5,7 @@
 //!   leaves open, from plain lists.
 //! - [`angular`]: curves of a known structure over angle and wavelength, cartesian and polar.
 //! - [`sweep`]: colour against a parameter of the structure.
+//! - [`table`]: the colours of a structure over incidence and view, plane by plane.
 //! - [`tradeoff`]: error over cost, and the stability map.
 //! - [`canvas`]: the sheet below them, for a chart that is not a grid of panels.
 //! - [`font`]: the embedded font and what it can write; [`palette`]: colours that colour-blind readers can tell apart.
@@ -28,6 +29,7 @@ pub mod profile;
 mod raster;
 mod slices;
 pub mod sweep;
+pub mod table;
 pub mod trace;
 #[cfg(feature = "tradeoff")]
 pub mod tradeoff;

@@ -196,10 +196,11 @@ fn table(diagram: &Diagram) -> String {
         })
     };
     format!(
-        "Within ΔE₀₀ {SEEN} in 95 % of views: a table that is linear in cos² ω, with two planes, {}; one that is linear in ω, \
-         with ten, {}.",
+        "Within ΔE₀₀ {SEEN} in 95 % of views: a table of even nodes that is linear in cos² ω, with two planes, {}; one that is \
+         linear in ω, with ten, {}; with nodes of θ and θ + φ as `morpho-fit table` chooses them it {}.",
         need("linear in cos² ω, 95 %"),
         need("linear in ω, 10 planes, 95 %"),
+        need("nodes of θ and θ + φ chosen, 95 %"),
     )
 }
 

@@ -26,7 +26,7 @@ use crate::inversion::FitError;
 use crate::optics::OpticsError;
 use crate::optimise::BoundsError;
 use crate::spectrum::SpectrumError;
-use crate::sweep::SweepError;
+use crate::table::TableError;
 
 /// A clock: seconds since any moment, never falling.
 pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
@@ -158,9 +158,9 @@ pub enum TradeoffError {
     /// A colour has no value.
     #[error(transparent)]
     Colour(#[from] ColourError),
-    /// The colours of views have no value.
+    /// A table has no value.
     #[error(transparent)]
-    Sweep(#[from] SweepError),
+    Table(#[from] TableError),
     /// A grid of wavelengths is none.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),

@@ -1,14 +1,15 @@
 //! A table of colours over θ, φ, ω: the error of a colour between its nodes against its size.
 //!
-//! The colour at a node is X, Y, Z in single precision, 12 bytes; in between it is linear in each coordinate. In `cos² ω`
-//! the model itself is linear, so that two nodes hold every ω.
+//! The colour at a node is three numbers in single precision, 12 bytes; in between it is linear in each coordinate. In `cos² ω`
+//! the model itself is linear, so that two nodes hold every ω. [`choose`] puts the nodes where a tolerance needs them, on an axis
+//! along which the lobe stands still.
 
-use crate::colorimetry::{Lab, Xyz};
+use crate::colorimetry::{Illuminant, Integration, Lab, Observer, Xyz};
 use crate::geometry::{Geometry, Polarization};
 use crate::optics::{BlendModel, Structure};
 use crate::spectrum::Wavelengths;
-use crate::sweep::{Grid, View, Viewing, colours};
 use crate::synthetic::linspace;
+use crate::table::{Across, Needs, Nodes, Quantity, Range, Source, Table, Turn, choose};
 use crate::tradeoff::colours::quantile;
 use crate::tradeoff::{Diagram, Point, Series, Settings, TradeoffError};
 use crate::units::radians;
@@ -23,141 +24,112 @@ const NODES: [usize; 5] = [6, 11, 21, 41, 81];
 const QUICK_NODES: [usize; 3] = [6, 11, 21];
 /// Nodes in ω of the table that is linear in ω.
 const PLANES: usize = 10;
+/// Tolerances that nodes are chosen for, the worst direction's ΔE.
+const TOLERANCES: [f64; 5] = [16.0, 8.0, 4.0, 2.0, 1.0];
+const QUICK_TOLERANCES: [f64; 2] = [16.0, 4.0];
+/// Nodes of a chosen table at most.
+const MOST: usize = 1_000_000;
 /// Colours that are looked up.
 const LOOKED_UP: usize = 2000;
 const QUICK_LOOKED_UP: usize = 200;
-/// Bytes of a node.
-const NODE: usize = 12;
 /// Steps of the spectra, nm: the error looked for is that of the nodes.
 const STEP: f64 = 5.0;
 
-/// Linear colours of both planes at the nodes of θ and φ.
-struct Table {
-    thetas: usize,
-    phis: usize,
-    /// The plane across the ridges and the one along them, node by node, φ fastest.
-    planes: [Vec<[f64; 3]>; 2],
+/// Directions with their colours.
+struct Known {
+    seen: Vec<Geometry>,
+    colours: Vec<Lab>,
 }
 
-/// Structure with the colours of views of it.
-struct Subject {
-    structure: Structure,
-    viewing: Viewing,
-}
-
-impl Subject {
-    fn new() -> Result<Self, TradeoffError> {
-        let viewing = Viewing { grid: Grid::Of(Wavelengths::visible(STEP)?), ..Viewing::default() };
-        Ok(Self { structure: Structure::blue(), viewing })
-    }
-
-    fn colours(&self, seen: &[Geometry]) -> Result<(Vec<[f64; 3]>, Xyz), TradeoffError> {
-        let views: Vec<View> = seen.iter().map(|&geometry| View { structure: self.structure, geometry }).collect();
-        let found = colours(&BlendModel::default(), &views, Polarization::Unpolarized, &self.viewing)?;
-        let of = |colour: Option<Xyz>| colour.unwrap_or_default().to_array();
-        Ok((found.colours.into_iter().map(of).collect(), found.white))
-    }
-}
-
-impl Table {
-    fn new(subject: &Subject, thetas: usize) -> Result<Self, TradeoffError> {
-        let phis = 2 * thetas - 1;
-        let plane = |omega: f64| -> Result<Vec<[f64; 3]>, TradeoffError> {
-            let mut seen = Vec::with_capacity(thetas * phis);
-            for theta in linspace(0.0, FARTHEST, thetas) {
-                for phi in linspace(-FARTHEST, FARTHEST, phis) {
-                    seen.push(Geometry { theta: radians(theta), phi: radians(phi), omega });
-                }
-            }
-            // As it is stored.
-            #[allow(clippy::cast_possible_truncation, reason = "a table in single precision")]
-            let single = |colour: [f64; 3]| colour.map(|value| f64::from(value as f32));
-            Ok(subject.colours(&seen)?.0.into_iter().map(single).collect())
-        };
-        Ok(Self { thetas, phis, planes: [plane(0.0)?, plane(FRAC_PI_2)?] })
-    }
-
-    /// Linear in θ and φ, with the shares of both planes given.
-    fn colour(&self, seen: &Geometry, shares: [f64; 2]) -> [f64; 3] {
-        let along = |angle: f64, first: f64, count: usize| {
-            #[allow(clippy::cast_precision_loss, reason = "a count of nodes is small")]
-            let last = (count - 1) as f64;
-            let place = ((angle - first) / (radians(FARTHEST) - first) * last).clamp(0.0, last);
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to the last node")]
-            let below = (place.floor() as usize).min(count - 2);
-            #[allow(clippy::cast_precision_loss, reason = "a count of nodes is small")]
-            let share = place - below as f64;
-            [(below, 1.0 - share), (below + 1, share)]
-        };
-        let mut sum = [0.0; 3];
-        for (row, on_row) in along(seen.theta, 0.0, self.thetas) {
-            for (column, on_column) in along(seen.phi, -radians(FARTHEST), self.phis) {
-                for (plane, of_plane) in self.planes.iter().zip(shares) {
-                    for (sum, value) in sum.iter_mut().zip(plane[row * self.phis + column]) {
-                        *sum += on_row * on_column * of_plane * value;
-                    }
-                }
-            }
-        }
-        sum
-    }
-}
-
-/// `cos² ω` and `sin² ω`.
-fn exact_shares(omega: f64) -> [f64; 2] {
-    [omega.cos().powi(2), omega.sin().powi(2)]
-}
-
-/// The same, linear between [`PLANES`] values of ω: what a table that is linear in ω holds.
-#[allow(clippy::cast_precision_loss, reason = "ten planes")]
-fn linear_shares(omega: f64) -> [f64; 2] {
-    let step = FRAC_PI_2 / (PLANES - 1) as f64;
-    let below = (omega / step).floor().min((PLANES - 2) as f64);
-    let share = omega / step - below;
-    let (low, high) = (exact_shares(below * step), exact_shares((below + 1.0) * step));
-    std::array::from_fn(|plane| (1.0 - share) * low[plane] + share * high[plane])
-}
-
-pub(super) fn diagram(settings: &Settings) -> Result<Diagram, TradeoffError> {
-    let subject = Subject::new()?;
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
-    let count = if settings.quick { QUICK_LOOKED_UP } else { LOOKED_UP };
-    let farthest = radians(FARTHEST);
-    let seen: Vec<Geometry> = (0..count)
-        .map(|_| Geometry {
+impl Known {
+    fn new(source: &Source<'_>, settings: &Settings) -> Result<Self, TradeoffError> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(settings.seed);
+        let count = if settings.quick { QUICK_LOOKED_UP } else { LOOKED_UP };
+        let farthest = radians(FARTHEST);
+        let mut one = || Geometry {
             theta: random.random_range(0.0..farthest),
             phi: random.random_range(-farthest..farthest),
             omega: random.random_range(0.0..FRAC_PI_2),
-        })
-        .collect();
-    let (known, white) = subject.colours(&seen)?;
-    let names = [
-        "linear in cos² ω, median",
-        "linear in cos² ω, 95 %",
-        "linear in ω, 10 planes, median",
-        "linear in ω, 10 planes, 95 %",
-    ];
-    let mut series: Vec<Series> =
-        names.into_iter().map(|method| Series { method: method.to_owned(), points: Vec::new() }).collect();
-    for &thetas in if settings.quick { &QUICK_NODES[..] } else { &NODES[..] } {
-        let table = Table::new(&subject, thetas)?;
-        let differences = |shares: fn(f64) -> [f64; 2]| -> Result<[f64; 2], TradeoffError> {
-            let mut differences = Vec::with_capacity(seen.len());
-            for (seen, known) in seen.iter().zip(&known) {
-                let found = Xyz::from_array(table.colour(seen, shares(seen.omega)));
-                let known = Lab::new(Xyz::from_array(*known), white)?;
-                differences.push(Lab::new(found, white)?.difference(known));
-            }
-            Ok([quantile(&mut differences, 50), quantile(&mut differences, 95)])
         };
-        let found = [differences(exact_shares)?, differences(linear_shares)?].concat();
-        for (index, (series, y)) in series.iter_mut().zip(found).enumerate() {
-            let planes = if index < 2 { 2 } else { PLANES };
-            #[allow(clippy::cast_precision_loss, reason = "below 2^53")]
-            let x = (NODE * planes * table.thetas * table.phis) as f64;
-            series.points.push(Point { setting: format!("{thetas} θ × {} φ", table.phis), x, y });
+        let seen: Vec<Geometry> = (0..count).map(|_| one()).collect();
+        let mut colours = Vec::with_capacity(count);
+        for seen in &seen {
+            let mut colour = [0.0; 3];
+            source.evaluate(seen, &mut colour)?;
+            colours.push(lab(colour)?);
         }
+        Ok(Self { seen, colours })
     }
+
+    /// Median and 95 % of the errors of a table.
+    fn errors(&self, table: &Table) -> Result<[f64; 2], TradeoffError> {
+        let mut differences = Vec::with_capacity(self.seen.len());
+        for (seen, known) in self.seen.iter().zip(&self.colours) {
+            let found = table.colour(seen.theta, seen.phi, seen.omega).unwrap_or_default();
+            differences.push(lab(found)?.difference(*known));
+        }
+        Ok([quantile(&mut differences, 50), quantile(&mut differences, 95)])
+    }
+}
+
+/// A colour in X/Xn, Y/Yn, Z/Zn.
+fn lab(colour: [f64; 3]) -> Result<Lab, TradeoffError> {
+    Ok(Lab::new(Xyz::from_array(colour), Xyz { x: 1.0, y: 1.0, z: 1.0 })?)
+}
+
+/// Even nodes of θ and φ.
+fn even(thetas: usize, turn: Turn) -> Result<Nodes, TradeoffError> {
+    let farthest = radians(FARTHEST);
+    let planes = if turn == Turn::Share { 2 } else { PLANES };
+    Ok(Nodes::new(
+        linspace(0.0, farthest, thetas),
+        linspace(-farthest, farthest, 2 * thetas - 1),
+        linspace(0.0, FRAC_PI_2, planes),
+        Across::View,
+        turn,
+    )?)
+}
+
+pub(super) fn diagram(settings: &Settings) -> Result<Diagram, TradeoffError> {
+    let (model, grid) = (BlendModel::default(), Wavelengths::visible(STEP)?);
+    let weights = Integration::new(&grid, Observer::Cie1931, &Illuminant::D65)?.relative_weights();
+    let wavelengths: Vec<f64> = grid.iter().collect();
+    let quantity = Quantity::Colour(weights);
+    let source = Source::new(&model, &Structure::blue(), Polarization::Unpolarized, &wavelengths, quantity)?;
+    let known = Known::new(&source, settings)?;
+    let mut series = Vec::new();
+    let mut pair = |name: &str, tables: Vec<(String, Table)>| -> Result<(), TradeoffError> {
+        let mut points = [Vec::new(), Vec::new()];
+        for (setting, table) in tables {
+            #[allow(clippy::cast_precision_loss, reason = "below 2^53")]
+            let x = table.bytes() as f64;
+            for (points, y) in points.iter_mut().zip(known.errors(&table)?) {
+                points.push(Point { setting: setting.clone(), x, y });
+            }
+        }
+        for (points, part) in points.into_iter().zip(["median", "95 %"]) {
+            series.push(Series { method: format!("{name}, {part}"), points });
+        }
+        Ok(())
+    };
+    let counts = if settings.quick { &QUICK_NODES[..] } else { &NODES[..] };
+    for (name, turn) in [("linear in cos² ω", Turn::Share), ("linear in ω, 10 planes", Turn::Angle)] {
+        let mut tables = Vec::new();
+        for &thetas in counts {
+            tables.push((format!("{thetas} θ × {} φ", 2 * thetas - 1), Table::new(&source, even(thetas, turn)?)?));
+        }
+        pair(name, tables)?;
+    }
+    let farthest = radians(FARTHEST);
+    let range = Range { theta: [0.0, farthest], phi: [-farthest, farthest], omega: [0.0, FRAC_PI_2] };
+    let mut tables = Vec::new();
+    for &tolerance in if settings.quick { &QUICK_TOLERANCES[..] } else { &TOLERANCES[..] } {
+        let needs = Needs { range, across: Across::Mirror, tolerance, most: MOST, seed: settings.seed };
+        let (table, judged) = choose(&source, &source, &needs)?;
+        let (thetas, across) = (table.nodes().theta().len(), table.nodes().across().len());
+        tables.push((format!("{thetas} θ × {across} θ + φ, at worst {:.2}", judged.worst), table));
+    }
+    pair("nodes of θ and θ + φ chosen", tables)?;
     Ok(Diagram {
         title: "table of colours of the blue preset, to 75°".to_owned(),
         x_label: "size of the table / bytes".to_owned(),

@@ -6,6 +6,7 @@ mod measurement;
 mod problem;
 mod structure;
 mod subject;
+mod table;
 mod tradeoff;
 mod words;
 
@@ -14,10 +15,11 @@ pub(crate) use measurement::SimulateArgs;
 pub(crate) use problem::{AverageArgs, LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
 pub(crate) use structure::StructureArgs;
 pub(crate) use subject::SubjectArgs;
+pub(crate) use table::TableArgs;
 pub(crate) use tradeoff::TradeoffArgs;
 pub(crate) use words::{
-    AdmittanceWord, DerivativeWord, ExtentWord, GamutWord, KeepWord, LossWord, ModelWord, ObserverWord,
-    PolarizationWord, PresetWord, SnellWord, TurnWord, UncertaintyWord, WideWord,
+    AcrossWord, AdmittanceWord, DerivativeWord, ExtentWord, GamutWord, KeepWord, LossWord, ModelWord, ObserverWord,
+    PolarizationWord, PresetWord, SnellWord, TableFormat, TurnWord, UncertaintyWord, WideWord,
 };
 
 use crate::values;
@@ -77,6 +79,10 @@ pub(crate) enum Command {
     /// strip.svg, sweep.csv.
     #[command(args_override_self = true)]
     Sweep(SweepArgs),
+    /// Table the colours or spectra over incidence, view and plane for a renderer, with as many nodes as a tolerance needs:
+    /// table.npy or table.csv, table.json, table.svg.
+    #[command(args_override_self = true)]
+    Table(TableArgs),
     /// Draw the figures and the table of the paper, as printed and right, with the differences in numbers: README.md and its
     /// pictures.
     #[command(args_override_self = true)]

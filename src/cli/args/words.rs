@@ -7,6 +7,7 @@ use morpho_fit::geometry::Polarization;
 use morpho_fit::inversion::{Derivative, Extent};
 use morpho_fit::optics::{Admittance, Snell};
 use morpho_fit::optimise::Loss;
+use morpho_fit::table::Across;
 
 /// An enumeration of words on the command line, each with its library value.
 macro_rules! words {
@@ -160,4 +161,19 @@ pub(crate) enum TurnWord {
     Phi,
     /// The incidence theta, at a fixed phi.
     Theta,
+}
+
+words!(AcrossWord => Across {
+    /// theta + phi, the angle from the mirror direction.
+    Mirror => Across::Mirror,
+    /// phi.
+    View => Across::View,
+});
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TableFormat {
+    /// The array format of numpy, in single precision.
+    Npy,
+    /// Text, one node a row.
+    Csv,
 }

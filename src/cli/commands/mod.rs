@@ -7,6 +7,7 @@ mod intervals;
 pub(crate) mod paper;
 pub(crate) mod simulate;
 pub(crate) mod sweep;
+pub(crate) mod table;
 pub(crate) mod tradeoff;
 
 use crate::exit::Usage;
