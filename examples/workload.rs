@@ -20,6 +20,7 @@ use morpho_fit::optics::{Admittance, LamellaUnit, Material, PaperModel, Snell, S
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::table::{Across, Nodes, Quantity, Source, Turn};
 use morpho_fit::units::radians;
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -284,7 +285,7 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
     }
     let clock = Instant::now();
     let found: Vec<FitOutcome> = sets
-        .iter()
+        .par_iter()
         .map(|data| fit(data, &local, &|_| {}).map(|fit| fit.outcome))
         .collect::<std::result::Result<_, _>>()?;
     let seconds = clock.elapsed().as_secs_f64();
