@@ -69,3 +69,5 @@ pub mod synthetic;
 pub mod tradeoff;
 pub mod uncertainty;
 pub mod units;
+#[cfg(feature = "python")]
+mod python;
