@@ -62,6 +62,8 @@ pub mod numerics;
 pub mod optics;
 pub mod optimise;
 pub mod plot;
+#[cfg(feature = "python")]
+mod python;
 pub mod report;
 pub mod spectrum;
 pub mod sweep;
@@ -69,5 +71,3 @@ pub mod synthetic;
 pub mod tradeoff;
 pub mod uncertainty;
 pub mod units;
-#[cfg(feature = "python")]
-mod python;

@@ -13,6 +13,7 @@ pub mod intervals;
 mod jackknife;
 mod marginal;
 mod nuisance;
+mod objective;
 mod outcome;
 mod parameter;
 mod plan;
@@ -39,6 +40,7 @@ pub(crate) use compiled::Compiled;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
+pub use objective::Objective;
 pub use outcome::{
     CurveResiduals, DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound,
     NamedMatrix, NuisanceFound, Parameters, SCHEMA, SigmaSource, Status, Verdict,

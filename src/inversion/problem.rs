@@ -37,14 +37,18 @@ pub(crate) struct Evaluation {
 
 impl<'a> Problem<'a> {
     pub(crate) fn new(compiled: &'a Compiled<'_>, space: &'a Space, robust: &'a [f64]) -> Self {
-        Self {
-            plan: &compiled.plan,
-            linear: &compiled.linear,
-            space,
-            robust,
-            derivative: compiled.settings.derivative,
-            last: RefCell::new(None),
-        }
+        Self::of_parts(&compiled.plan, &compiled.linear, space, robust, compiled.settings.derivative)
+    }
+
+    /// The same of what a plan and its nuisances are kept in.
+    pub(crate) fn of_parts(
+        plan: &'a Plan<'a>,
+        linear: &'a LinearPart,
+        space: &'a Space,
+        robust: &'a [f64],
+        derivative: Derivative,
+    ) -> Self {
+        Self { plan, linear, space, robust, derivative, last: RefCell::new(None) }
     }
 
     /// Number of residuals.

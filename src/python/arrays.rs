@@ -37,7 +37,8 @@ impl Column<'_> {
             Self::Array(array) => {
                 let shape = array.as_array().shape().to_vec();
                 let flat = array.as_array().into_dimensionality::<Ix1>();
-                let flat = flat.map_err(|_| refused(format!("{what} has the shape {shape:?}; it must be an array [n]")));
+                let flat =
+                    flat.map_err(|_| refused(format!("{what} has the shape {shape:?}; it must be an array [n]")));
                 // Contiguous arrays are slices; the rest is read with its stride.
                 flat.map(|view| view.to_slice().map_or(Values::Strided(view), Values::Slice))
             }

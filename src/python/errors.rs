@@ -8,6 +8,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+/// Defects that a message tells.
+const SHOWN: usize = 20;
+
 create_exception!(
     morpho_fit,
     DataError,
@@ -29,52 +32,89 @@ pub(crate) fn refused(message: impl Into<String>) -> PyErr {
     FitError::new_err(message.into())
 }
 
-/// Findings about `path`, or about arrays.
+/// One defect of data.
+#[derive(Debug, Clone)]
+pub(crate) struct Defect {
+    /// Line of the file, counting from 1.
+    pub(crate) line: Option<u64>,
+    pub(crate) column: Option<String>,
+    /// Row of a table, counting from 0.
+    pub(crate) reading: Option<usize>,
+    pub(crate) message: String,
+}
+
+impl Defect {
+    pub(crate) fn of_column(column: &str, problem: String) -> Self {
+        Self {
+            line: None,
+            column: Some(column.to_owned()),
+            reading: None,
+            message: format!("column `{column}`: {problem}"),
+        }
+    }
+
+    pub(crate) fn of_reading(column: &str, row: usize, problem: String) -> Self {
+        let message = format!("row {row}, column `{column}`: {problem}");
+        Self { line: None, column: Some(column.to_owned()), reading: Some(row), message }
+    }
+
+    pub(crate) fn raise(self, py: Python<'_>) -> PyErr {
+        of_defects(py, None, vec![self], None)
+    }
+}
+
+/// Findings about `path`, or about a table.
 pub(crate) fn of_findings(py: Python<'_>, findings: Findings, path: Option<&str>) -> PyErr {
     let findings = match path {
         Some(path) => findings.in_file(path),
         None => findings,
     };
-    let all = PyList::empty(py);
-    let filled = findings.as_slice().iter().try_for_each(|finding| {
-        let one = PyDict::new(py);
-        one.set_item("line", finding.line())?;
-        one.set_item("column", finding.column.as_ref().map(|column| column.name.as_str()))?;
-        let reading = match finding.place {
-            Some(Place::Reading(number)) => Some(number - 1),
-            _ => None,
-        };
-        one.set_item("reading", reading)?;
-        one.set_item("message", finding.to_string())?;
-        all.append(one)
+    let defects = findings.as_slice().iter().map(|finding| {
+        let column = finding.column.as_ref().map(|column| column.name.clone());
+        match finding.place {
+            Some(Place::Reading(number)) => {
+                let message = finding.kind.to_string();
+                let place = column.as_ref().map(|name| format!(", column `{name}`")).unwrap_or_default();
+                let row = number.saturating_sub(1);
+                Defect { line: None, column, reading: Some(row), message: format!("row {row}{place}: {message}") }
+            }
+            _ => Defect { line: finding.line(), column, reading: None, message: finding.to_string() },
+        }
     });
-    let error = DataError::new_err(findings.to_string());
-    filled.and_then(|()| about(py, &error, path, &all)).err().unwrap_or(error)
+    let defects: Vec<Defect> = defects.collect();
+    // Rows of a table count from 0, as everywhere in Python; lines of a file are written as the command writes them.
+    let text = path.map(|_| findings.to_string());
+    of_defects(py, path, defects, text)
 }
 
-/// One defect of a column of arrays.
-pub(crate) fn of_column(py: Python<'_>, column: &str, message: &str) -> PyErr {
+/// A `DataError` with all defects; its place is that of the first.
+pub(crate) fn of_defects(py: Python<'_>, path: Option<&str>, defects: Vec<Defect>, text: Option<String>) -> PyErr {
+    let text = text.unwrap_or_else(|| {
+        let shown: Vec<&str> = defects.iter().take(SHOWN).map(|defect| defect.message.as_str()).collect();
+        let more = defects.len().saturating_sub(SHOWN);
+        let more = if more > 0 { format!("\nand {more} more") } else { String::new() };
+        format!("{}{more}", shown.join("\n"))
+    });
+    let error = DataError::new_err(text);
+    hang(py, &error, path, &defects).err().unwrap_or(error)
+}
+
+fn hang(py: Python<'_>, error: &PyErr, path: Option<&str>, defects: &[Defect]) -> PyResult<()> {
     let all = PyList::empty(py);
-    let one = PyDict::new(py);
-    let nothing = py.None();
-    let filled = [("line", None), ("column", Some(column)), ("reading", None), ("message", Some(message))]
-        .into_iter()
-        .try_for_each(|(name, value)| one.set_item(name, value))
-        .and_then(|()| all.append(one));
-    drop(nothing);
-    let error = DataError::new_err(format!("`{column}`: {message}"));
-    filled.and_then(|()| about(py, &error, None, &all)).err().unwrap_or(error)
-}
-
-/// Hangs the findings on the exception, and the first one's place.
-fn about(py: Python<'_>, error: &PyErr, path: Option<&str>, findings: &Bound<'_, PyList>) -> PyResult<()> {
-    let value = error.value(py);
-    value.setattr("path", path)?;
-    for name in ["line", "column", "reading"] {
-        let first = findings.get_item(0).and_then(|first| first.get_item(name));
-        value.setattr(name, first.unwrap_or_else(|_| py.None().into_bound(py)))?;
+    for defect in defects {
+        let one = PyDict::new(py);
+        one.set_item("line", defect.line)?;
+        one.set_item("column", defect.column.as_deref())?;
+        one.set_item("reading", defect.reading)?;
+        one.set_item("message", &defect.message)?;
+        all.append(one)?;
     }
-    value.setattr("findings", findings)
+    let (value, first) = (error.value(py), defects.first());
+    value.setattr("path", path)?;
+    value.setattr("line", first.and_then(|first| first.line))?;
+    value.setattr("column", first.and_then(|first| first.column.as_deref()))?;
+    value.setattr("reading", first.and_then(|first| first.reading))?;
+    value.setattr("findings", all)
 }
 
 /// What the optics refuse; `index` counts the elements of arrays.

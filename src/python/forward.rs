@@ -140,11 +140,8 @@ fn evaluated<'py, T: Send>(
     let columns = [("wavelength", wavelength), ("theta", theta), ("phi", phi), ("omega", omega)];
     let ([wavelength, theta, phi, omega], length) = together(columns)?;
     let one = |index: usize| -> Result<T, (usize, OpticsError)> {
-        let geometry = Geometry {
-            theta: radians(theta.at(index)),
-            phi: radians(phi.at(index)),
-            omega: radians(omega.at(index)),
-        };
+        let geometry =
+            Geometry { theta: radians(theta.at(index)), phi: radians(phi.at(index)), omega: radians(omega.at(index)) };
         terms(model.as_ref(), structure, &geometry, polarization, wavelength.at(index))
             .map(of)
             .map_err(|error| (index, error))

@@ -5,9 +5,16 @@
 //! opens it.
 
 mod arrays;
+mod colour;
+mod data;
 mod errors;
+mod fit;
 mod forward;
+mod intervals;
 mod model;
+mod objective;
+mod patience;
+mod settings;
 mod structure;
 mod words;
 
@@ -16,11 +23,19 @@ mod words;
 #[pyo3(name = "_engine")]
 mod engine {
     #[pymodule_export]
+    use super::colour::{Colours, colour, sweep};
+    #[pymodule_export]
     use super::errors::{DataError, FitError, OpticsError};
+    #[pymodule_export]
+    use super::fit::{FitResult, fit};
     #[pymodule_export]
     use super::forward::{contributions, multilayer_reflectivity, reflectivity};
     #[pymodule_export]
+    use super::intervals::{Posterior, ProfileFound};
+    #[pymodule_export]
     use super::model::{Averages, Cauchy, IndexTable, Model, Stack};
+    #[pymodule_export]
+    use super::objective::Objective;
     #[pymodule_export]
     use super::structure::Structure;
 

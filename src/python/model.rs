@@ -108,10 +108,15 @@ impl Stack {
         let usual = optics::Stack::default();
         let of = |index: Option<Index<'_>>, what, usual| index.map_or(Ok(usual), |index| index.material(what));
         if let Some(found) = filling.filter(|share| !(*share > 0.0 && *share <= 1.0)) {
-            return Err(refused(format!("filling is {found}: the share of a layer that is cuticle is above 0, at most 1")));
+            return Err(refused(format!(
+                "filling is {found}: the share of a layer that is cuticle is above 0, at most 1"
+            )));
         }
         if !(1..=optics::MAX_LAYERS).contains(&layers) {
-            return Err(refused(format!("layers is {layers}: the number of layers is from 1 to {}", optics::MAX_LAYERS)));
+            return Err(refused(format!(
+                "layers is {layers}: the number of layers is from 1 to {}",
+                optics::MAX_LAYERS
+            )));
         }
         let stack = optics::Stack {
             ambient: of(n_ambient, "n_ambient", usual.ambient)?,
@@ -213,7 +218,9 @@ impl Model {
     /// The forward model; none for "auto".
     pub(crate) fn forward(&self) -> PyResult<Arc<dyn ReflectivityModel>> {
         if self.auto {
-            return Err(refused("\"auto\" compares fits and is for fit() alone; give \"blend\", \"hybrid\" or \"paper\""));
+            return Err(refused(
+                "\"auto\" compares fits and is for fit() alone; give \"blend\", \"hybrid\" or \"paper\"",
+            ));
         }
         Ok(Arc::clone(&self.built))
     }
@@ -235,12 +242,17 @@ impl Model {
         lamella_unit: Option<Unit>,
         ridge_spacing: Option<f64>,
     ) -> PyResult<Self> {
-        let of_paper =
-            [("snell", snell.is_some()), ("admittance", admittance.is_some()), ("lamella_unit", lamella_unit.is_some())];
+        let of_paper = [
+            ("snell", snell.is_some()),
+            ("admittance", admittance.is_some()),
+            ("lamella_unit", lamella_unit.is_some()),
+        ];
         if name != "paper"
             && let Some((argument, _)) = of_paper.into_iter().find(|(_, given)| *given)
         {
-            return Err(refused(format!("{argument} is a choice of the paper's formulas; it needs the model \"paper\"")));
+            return Err(refused(format!(
+                "{argument} is a choice of the paper's formulas; it needs the model \"paper\""
+            )));
         }
         if name != "hybrid" && ridge_spacing.is_some() {
             return Err(refused("ridge_spacing is of the model \"hybrid\""));
