@@ -3,7 +3,7 @@
 use super::errors::{Defect, of_defects, of_findings, refused};
 use super::words;
 use crate::dataset::{
-    Constants, Dataset, Findings, Place, ReadOptions, Reading, WideHeading, check_headings, read_csv,
+    Constants, Dataset, FindingKind, Findings, Place, ReadOptions, Reading, WideHeading, check_headings, read_csv,
 };
 use crate::geometry::{Geometry, Polarization};
 use crate::units::radians;
@@ -198,6 +198,12 @@ fn texts(column: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
 /// Findings about names of columns: there is no line.
 fn of_headings(py: Python<'_>, findings: &Findings) -> PyErr {
     let defects = findings.as_slice().iter().map(|finding| {
+        if let FindingKind::MissingColumn { name, flag } = &finding.kind {
+            let keyword = flag.and_then(|flag| flag.split([' ', '-']).find(|word| !word.is_empty()));
+            let keyword = keyword.map(|word| format!(", or give {word}= if one value holds for all readings"));
+            let message = format!("column `{name}` is missing; add it{}", keyword.unwrap_or_default());
+            return Defect { line: None, column: Some((*name).to_owned()), reading: None, message };
+        }
         let column = finding.column.as_ref().map(|column| column.name.clone());
         let place = column.as_ref().map(|name| format!("column `{name}`: ")).unwrap_or_default();
         let reading = match finding.place {

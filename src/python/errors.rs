@@ -1,6 +1,6 @@
 //! Errors as exceptions: each is a `ValueError`, and those about data carry path, line and column.
 
-use crate::dataset::{Findings, Place};
+use crate::dataset::{FindingKind, Findings, Place};
 use crate::inversion::{FitError as Unfit, SettingsError};
 use crate::optics;
 use pyo3::create_exception;
@@ -70,7 +70,11 @@ pub(crate) fn of_findings(py: Python<'_>, findings: Findings, path: Option<&str>
         None => findings,
     };
     let defects = findings.as_slice().iter().map(|finding| {
-        let column = finding.column.as_ref().map(|column| column.name.clone());
+        let missing = match finding.kind {
+            FindingKind::MissingColumn { name, .. } => Some(name.to_owned()),
+            _ => None,
+        };
+        let column = finding.column.as_ref().map(|column| column.name.clone()).or(missing);
         match finding.place {
             Some(Place::Reading(number)) => {
                 let message = finding.kind.to_string();
