@@ -12,8 +12,8 @@ use crate::dataset::Dataset;
 use crate::export::{ExportError, fit_json};
 use crate::inversion::intervals::{self, PosteriorSettings};
 use crate::inversion::{
-    AdviceError, Ask, Estimate, Fit, FitError, NamedMatrix, Parameter, SigmaSource, Verdict, advise, choose,
-    fit as fitted, structure,
+    AdviceError, Ask, Estimate, Fit, FitError, FittedReading, NamedMatrix, Parameter, SigmaSource, Verdict, advise,
+    choose, fit as fitted, structure,
 };
 use crate::report::{html, terminal, uncertainty, wording};
 use numpy::ndarray::Array2;
@@ -79,6 +79,9 @@ pub(crate) fn fit(
     })?;
     Ok(FitResult { fit, data, name })
 }
+
+/// A part of a reading beside the model.
+type Part = fn(&FittedReading) -> f64;
 
 /// Why a fit has no result.
 enum Trouble {
@@ -250,7 +253,7 @@ impl FitResult {
     /// The data beside the model, as in curves.csv: a dict of columns [n], ready for a frame.
     fn curves<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = data::columns(py, &self.data)?;
-        let columns: [(&str, fn(&crate::inversion::FittedReading) -> f64); 6] = [
+        let columns: [(&str, Part); 6] = [
             ("model", |one| one.model),
             ("residual", |one| one.residual),
             ("normalised_residual", |one| one.normalised),

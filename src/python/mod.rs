@@ -3,6 +3,7 @@
 //! Numbers are in the units of the command line: nm, degrees, and radians for `phi_alpha`. Work is done with the interpreter's
 //! lock released, and what can go wrong is an exception with a type of its own ([`errors`]). No file is opened here: Python
 //! opens it.
+#![allow(clippy::doc_markdown, reason = "the comments are docstrings, which Python shows as they are")]
 
 mod arrays;
 mod colour;

@@ -10,6 +10,9 @@ use numpy::{IntoPyArray, PyArray2, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+/// Half the gradient and half the matrix.
+type NormalEquations<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArray2<f64>>);
+
 /// Weighted residuals and their derivatives over the free parameters, scale, weight and background eliminated.
 ///
 /// Takes the data and settings of fit(). A point [k] is in the order of `names` and in the units of fit(). A robust loss has
@@ -116,11 +119,7 @@ impl Objective {
     }
 
     /// Half the gradient [k] of chi2 and half its matrix [k, k] of second derivatives by Gauss and Newton: (J.T r, J.T J).
-    fn normal_equations<'py>(
-        &self,
-        py: Python<'py>,
-        point: Column<'py>,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArray2<f64>>)> {
+    fn normal_equations<'py>(&self, py: Python<'py>, point: Column<'py>) -> PyResult<NormalEquations<'py>> {
         let free = self.inside.free();
         let (gradient, matrix) = self.at(py, &point, |objective, point| {
             let (residuals, mut jacobian) = (objective.residuals(point)?, objective.jacobian(point)?);

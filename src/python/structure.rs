@@ -33,6 +33,11 @@ impl Structure {
 }
 
 #[pymethods]
+#[allow(
+    clippy::wrong_self_convention,
+    clippy::trivially_copy_pass_by_ref,
+    reason = "methods of Python borrow their object"
+)]
 impl Structure {
     #[new]
     #[pyo3(signature = (*, d_air=141.0, d_cuticle=62.0, delta=2.5, phi_alpha=0.5, lamella_width=300.0))]
