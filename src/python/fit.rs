@@ -22,9 +22,6 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Characters in a line of the report: those of the command's.
-const WIDTH: usize = 100;
-
 /// Fits a measurement; the same result, to the last bit, as the command with the same data and settings.
 ///
 /// data is the path of a CSV file, its bytes, or a table whose columns have the names and units of the file: a dict of arrays
@@ -279,8 +276,8 @@ impl FitResult {
         py.import("json")?.call_method1("loads", (self.json()?,))
     }
 
-    /// The report that the command prints.
-    #[pyo3(signature = (width=WIDTH))]
+    /// The report that the command prints, in lines of its width.
+    #[pyo3(signature = (width=100))]
     fn summary(&self, width: usize) -> String {
         let mut report = terminal::text(&self.fit, width);
         if let Some(found) = &self.fit.outcome.uncertainty {

@@ -50,9 +50,9 @@ impl Objective {
     #[new]
     #[pyo3(
         signature = (data, **settings),
-        text_signature = "(data, *, model='blend', fix=None, bounds=None, start=None, link=None, scale='shared', \
-            background='none', weight='fit', derivative='exact', wavelength=None, theta=None, phi=None, omega=None, \
-            sigma=None, polarization=None, wide=None, intensity_column=None)"
+        text_signature = "(data, *, model='blend', fix=None, bounds=None, start=None, link=None, require=None, \
+            scale='shared', background='none', weight='fit', loss='linear', local=False, derivative='exact', level=9.0, seed=1, \
+            wavelength=None, theta=None, phi=None, omega=None, sigma=None, polarization=None, wide=None, intensity_column=None)"
     )]
     fn new(py: Python<'_>, data: &Bound<'_, PyAny>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut keywords = Keywords::of(settings)?;

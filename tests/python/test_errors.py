@@ -95,7 +95,7 @@ def test_arguments_of_another_type_are_type_errors(data: Path) -> None:
     path: Any = data / "blue_morpho.csv"
     for settings in ({"fox": 1}, {"seed": "one"}, {"fix": 3}, {"bounds": {"d_air": 3}}):
         with pytest.raises(TypeError, match=next(iter(settings))):
-            morpho_fit.fit(path, **settings)  # type: ignore[arg-type]
+            morpho_fit.fit(path, **settings)
 
 
 def test_what_the_optics_refuse_has_the_index_of_the_element() -> None:

@@ -7,41 +7,65 @@ from typing import Any, Literal, Protocol, TypeAlias, TypedDict, Unpack, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = [
+    "Averages",
+    "Cauchy",
+    "Colours",
+    "DataError",
+    "FitError",
+    "FitResult",
+    "IndexTable",
+    "Model",
+    "Objective",
+    "OpticsError",
+    "Posterior",
+    "ProfileFound",
+    "Stack",
+    "Structure",
+    "__version__",
+    "colour",
+    "contributions",
+    "fit",
+    "multilayer_reflectivity",
+    "reflectivity",
+    "sweep",
+]
+
 __version__: str
 
-Floats: TypeAlias = NDArray[np.float64]
-Index: TypeAlias = float | complex | Cauchy | IndexTable
-Polarization: TypeAlias = Literal["unpolarized", "s", "p"]
-ModelName: TypeAlias = Literal["blend", "hybrid", "paper", "auto"]
-Extent: TypeAlias = Literal["none", "shared", "per-curve"]
-Parameter: TypeAlias = Literal["d_air", "d_cuticle", "delta", "phi_alpha", "lamella_width"]
-Observer: TypeAlias = Literal["1931", "1964"]
-Illuminant: TypeAlias = Literal["D65", "A", "E"] | tuple[ArrayLike, ArrayLike]
-Interval: TypeAlias = tuple[float | None, float | None]
+_Floats: TypeAlias = NDArray[np.float64]
+_Index: TypeAlias = float | complex | Cauchy | IndexTable
+_Polarization: TypeAlias = Literal["unpolarized", "s", "p"]
+_ModelName: TypeAlias = Literal["blend", "hybrid", "paper", "auto"]
+_Extent: TypeAlias = Literal["none", "shared", "per-curve"]
+_Parameter: TypeAlias = Literal["d_air", "d_cuticle", "delta", "phi_alpha", "lamella_width"]
+_Observer: TypeAlias = Literal["1931", "1964"]
+_Illuminant: TypeAlias = Literal["D65", "A", "E"] | tuple[ArrayLike, ArrayLike]
+_Interval: TypeAlias = tuple[float | None, float | None]
 
-class Frame(Protocol):
+class _Frame(Protocol):
     """A frame of pandas or polars, or anything else with named columns."""
 
     @property
     def columns(self) -> Any: ...
     def __getitem__(self, key: Any, /) -> Any: ...
 
-Data: TypeAlias = str | os.PathLike[str] | bytes | Mapping[str, Any] | Frame
+_Data: TypeAlias = str | os.PathLike[str] | bytes | Mapping[str, Any] | _Frame
 
-class Finding(TypedDict):
+class _Finding(TypedDict):
     line: int | None
     column: str | None
     reading: int | None
     message: str
 
 class DataError(ValueError):
-    """Data that cannot be used. The place is that of the first of its findings; rows of tables count from 0."""
+    """_Data that cannot be used. The place is that of the first of its findings; rows of tables count from 0."""
 
     path: str | None
     line: int | None
     column: str | None
     reading: int | None
-    findings: list[Finding]
+    findings: list[_Finding]
 
 class FitError(ValueError):
     """Settings or data that cannot be fitted."""
@@ -116,10 +140,10 @@ class Stack:
         cls,
         *,
         layers: int = 9,
-        n_cuticle: Index | None = None,
-        n_gap: Index | None = None,
-        n_base: Index | None = None,
-        n_ambient: Index | None = None,
+        n_cuticle: _Index | None = None,
+        n_gap: _Index | None = None,
+        n_base: _Index | None = None,
+        n_ambient: _Index | None = None,
         filling: float | None = None,
     ) -> Stack: ...
     @property
@@ -146,7 +170,7 @@ class Model:
 
     def __new__(
         cls,
-        name: ModelName = "blend",
+        name: _ModelName = "blend",
         *,
         stack: Stack | None = None,
         averages: Averages | None = None,
@@ -156,11 +180,11 @@ class Model:
         ridge_spacing: float | None = None,
     ) -> Model: ...
     @property
-    def name(self) -> ModelName: ...
+    def name(self) -> _ModelName: ...
 
 def multilayer_reflectivity(
     structure: Structure, wavelength: ArrayLike, theta: ArrayLike, *, stack: Stack | None = None
-) -> tuple[Floats, Floats]: ...
+) -> tuple[_Floats, _Floats]: ...
 def reflectivity(
     structure: Structure,
     wavelength: ArrayLike,
@@ -168,9 +192,9 @@ def reflectivity(
     phi: ArrayLike,
     omega: ArrayLike,
     *,
-    polarization: Polarization = "unpolarized",
-    model: ModelName | Model | None = None,
-) -> Floats: ...
+    polarization: _Polarization = "unpolarized",
+    model: _ModelName | Model | None = None,
+) -> _Floats: ...
 def contributions(
     structure: Structure,
     wavelength: ArrayLike,
@@ -178,21 +202,21 @@ def contributions(
     phi: ArrayLike,
     omega: ArrayLike,
     *,
-    polarization: Polarization = "unpolarized",
-    model: ModelName | Model | None = None,
-) -> tuple[Floats, Floats]: ...
+    polarization: _Polarization = "unpolarized",
+    model: _ModelName | Model | None = None,
+) -> tuple[_Floats, _Floats]: ...
 
-class ProblemSettings(TypedDict, total=False):
+class _ProblemSettings(TypedDict, total=False):
     """What is fitted; the flags of the command."""
 
-    model: ModelName | Model | None
+    model: _ModelName | Model | None
     fix: Mapping[str, float] | None
     bounds: Mapping[str, tuple[float, float]] | None
     start: Mapping[str, float] | None
     link: Mapping[str, tuple[str, float, float]] | None
     require: Sequence[str] | None
-    scale: Extent | None
-    background: Extent | None
+    scale: _Extent | None
+    background: _Extent | None
     weight: Literal["fit"] | float | None
     loss: Literal["linear", "soft-l1", "huber", "cauchy"] | None
     local: bool | None
@@ -204,11 +228,11 @@ class ProblemSettings(TypedDict, total=False):
     phi: float | None
     omega: float | None
     sigma: float | None
-    polarization: Polarization | None
+    polarization: _Polarization | None
     wide: Literal["theta", "phi", "curve"] | None
     intensity_column: str | None
 
-class Settings(ProblemSettings, total=False):
+class _Settings(_ProblemSettings, total=False):
     """The same with the intervals that are asked for."""
 
     uncertainty: Sequence[Literal["covariance", "profile", "bootstrap", "sample", "all"]] | None
@@ -217,7 +241,7 @@ class Settings(ProblemSettings, total=False):
     max_evaluations: int | None
     advise: bool | None
 
-def fit(data: Data, **settings: Unpack[Settings]) -> FitResult: ...
+def fit(data: _Data, **settings: Unpack[_Settings]) -> FitResult: ...
 @final
 class FitResult:
     """The result of a fit."""
@@ -249,11 +273,11 @@ class FitResult:
     @property
     def names(self) -> list[str]: ...
     @property
-    def covariance(self) -> Floats: ...
+    def covariance(self) -> _Floats: ...
     @property
-    def correlation(self) -> Floats: ...
+    def correlation(self) -> _Floats: ...
     @property
-    def residuals(self) -> Floats: ...
+    def residuals(self) -> _Floats: ...
     def curves(self) -> dict[str, Any]: ...
     def to_json(self) -> str: ...
     def to_dict(self) -> dict[str, Any]: ...
@@ -270,7 +294,7 @@ class FitResult:
         *,
         replicates: int = 1000,
         seed: int | None = None,
-    ) -> tuple[list[str], Floats]: ...
+    ) -> tuple[list[str], _Floats]: ...
 
 @final
 class ProfileFound:
@@ -283,15 +307,15 @@ class ProfileFound:
     @property
     def best(self) -> float: ...
     @property
-    def values(self) -> Floats: ...
+    def values(self) -> _Floats: ...
     @property
-    def delta_chi2(self) -> Floats: ...
+    def delta_chi2(self) -> _Floats: ...
     @property
-    def parameters(self) -> Floats: ...
+    def parameters(self) -> _Floats: ...
     @property
-    def interval_68(self) -> Interval: ...
+    def interval_68(self) -> _Interval: ...
     @property
-    def interval_95(self) -> Interval: ...
+    def interval_95(self) -> _Interval: ...
 
 @final
 class Posterior:
@@ -302,7 +326,7 @@ class Posterior:
     @property
     def units(self) -> list[str]: ...
     @property
-    def samples(self) -> Floats: ...
+    def samples(self) -> _Floats: ...
     @property
     def chains(self) -> int: ...
     @property
@@ -316,26 +340,26 @@ class Posterior:
     @property
     def evaluations(self) -> int: ...
     @property
-    def intervals_68(self) -> list[Interval]: ...
+    def intervals_68(self) -> list[_Interval]: ...
     @property
-    def intervals_95(self) -> list[Interval]: ...
+    def intervals_95(self) -> list[_Interval]: ...
 
 @final
 class Objective:
     """Weighted residuals [m] and Jacobian [m, k] over the free parameters, in the order of names."""
 
-    def __new__(cls, data: Data, **settings: Unpack[ProblemSettings]) -> Objective: ...
+    def __new__(cls, data: _Data, **settings: Unpack[_ProblemSettings]) -> Objective: ...
     @property
     def names(self) -> list[str]: ...
     @property
     def units(self) -> list[str]: ...
     @property
-    def bounds(self) -> Floats: ...
+    def bounds(self) -> _Floats: ...
     def __len__(self) -> int: ...
-    def residuals(self, point: ArrayLike) -> Floats: ...
+    def residuals(self, point: ArrayLike) -> _Floats: ...
     def chi2(self, point: ArrayLike) -> float: ...
-    def jacobian(self, point: ArrayLike) -> Floats: ...
-    def normal_equations(self, point: ArrayLike) -> tuple[Floats, Floats]: ...
+    def jacobian(self, point: ArrayLike) -> _Floats: ...
+    def normal_equations(self, point: ArrayLike) -> tuple[_Floats, _Floats]: ...
 
 @final
 class Colours:
@@ -345,15 +369,15 @@ class Colours:
     def step(self) -> float: ...
     def __len__(self) -> int: ...
     @property
-    def xyz(self) -> Floats: ...
+    def xyz(self) -> _Floats: ...
     @property
-    def white(self) -> Floats: ...
+    def white(self) -> _Floats: ...
     @property
-    def lab(self) -> Floats: ...
+    def lab(self) -> _Floats: ...
     @property
-    def srgb(self) -> Floats: ...
+    def srgb(self) -> _Floats: ...
     @property
-    def linear(self) -> Floats: ...
+    def linear(self) -> _Floats: ...
     @property
     def outside(self) -> NDArray[np.bool_]: ...
 
@@ -361,19 +385,19 @@ def colour(
     wavelength: ArrayLike,
     reflectance: ArrayLike,
     *,
-    observer: Observer = "1931",
-    illuminant: Illuminant | None = None,
+    observer: _Observer = "1931",
+    illuminant: _Illuminant | None = None,
 ) -> Colours: ...
 def sweep(
-    parameter: Parameter,
+    parameter: _Parameter,
     values: ArrayLike,
     *,
     structure: Structure | None = None,
     theta: ArrayLike | None = None,
     phi: ArrayLike | None = None,
     omega: ArrayLike | None = None,
-    model: ModelName | Model | None = None,
-    polarization: Polarization = "unpolarized",
-    observer: Observer = "1931",
-    illuminant: Illuminant | None = None,
+    model: _ModelName | Model | None = None,
+    polarization: _Polarization = "unpolarized",
+    observer: _Observer = "1931",
+    illuminant: _Illuminant | None = None,
 ) -> Colours: ...
