@@ -3,7 +3,7 @@
 use super::arrays::array;
 use super::data::{self, Given, Said};
 use super::errors::{of_fit, refused};
-use super::intervals::{Methods, Posterior, ProfileFound, bootstraps_of};
+use super::intervals::{Methods, Posterior, ProfileFound, bootstraps_of, count};
 use super::model::Model;
 use super::patience::patiently;
 use super::settings::{Keywords, settings};
@@ -315,6 +315,7 @@ impl FitResult {
         max_evaluations: usize,
         seed: Option<u64>,
     ) -> PyResult<Posterior> {
+        let (effective, max_evaluations) = (count("effective", effective)?, count("max_evaluations", max_evaluations)?);
         let settings = PosteriorSettings { effective, max_evaluations, seed: seed.unwrap_or(self.fit.outcome.seed) };
         let found = patiently(py, |progress| intervals::posterior(&self.data, &self.fit, &settings, progress))?;
         let found = found.map_err(|error| of_fit(py, &error))?;

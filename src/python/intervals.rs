@@ -30,7 +30,7 @@ pub(crate) struct Methods {
 }
 
 /// A count as the command allows it.
-fn count(name: &str, found: usize) -> PyResult<usize> {
+pub(crate) fn count(name: &str, found: usize) -> PyResult<usize> {
     if COUNTS.contains(&found) {
         Ok(found)
     } else {

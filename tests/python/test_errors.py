@@ -132,6 +132,15 @@ def test_shapes_and_choices_that_do_not_fit_are_refused() -> None:
             broken()
 
 
+def test_counts_are_those_of_the_command(data: Path) -> None:
+    found = morpho_fit.fit(data / "along_ridges.csv", advise=False)
+    for broken in (lambda: found.sample(effective=99), lambda: found.sample(max_evaluations=0)):
+        with pytest.raises(FitError, match="must be 100 to 100000000"):
+            broken()
+    with pytest.raises(FitError, match="must be 100 to 100000000"):
+        found.bootstrap(replicates=3)
+
+
 INTERRUPTED = """
 import os, signal, sys, threading
 import morpho_fit
