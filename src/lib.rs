@@ -47,7 +47,8 @@
 //! simulation, rough or random structures, pigment, and colour of anything that is not a layer.
 //!
 //! Imports run downwards: `units`, `numerics` · `geometry`, `spectrum` · `optics`, `colorimetry`, `dataset`, `optimise` ·
-//! `uncertainty`, `synthetic`, `sweep`, `table` · `inversion` · `tradeoff` · `plot`, `export` · `report`. Only the program touches files, terminal and clock.
+//! `uncertainty`, `synthetic`, `sweep`, `table` · `inversion` · `tradeoff` · `plot`, `export` · `report` · `python`
+//! (feature `python`). Only the program touches files, terminal and clock.
 #![cfg_attr(
     not(test),
     warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, clippy::print_stderr)
@@ -71,3 +72,6 @@ pub mod table;
 pub mod tradeoff;
 pub mod uncertainty;
 pub mod units;
+
+#[cfg(feature = "python")]
+mod python;

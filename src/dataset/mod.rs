@@ -39,7 +39,7 @@ mod write;
 pub use self::findings::{Column, Finding, Findings, Place};
 pub use self::kind::{FindingKind, NumberHint};
 pub use self::options::{Constants, ReadOptions, WideHeading};
-pub use self::read::read_csv;
+pub use self::read::{check_headings, read_csv};
 pub use self::write::{NotWide, to_csv, to_wide_csv};
 
 use self::checks::{Seen, curve_name, hex_sha256};

@@ -53,6 +53,27 @@ pub fn read_csv(bytes: &[u8], options: &ReadOptions) -> Result<Dataset, Findings
     rows.finish(options, notes, hex_sha256(bytes))
 }
 
+/// Checks the names of the columns of a table that is no file, as [`read_csv`] checks a heading line: notes on what is not used.
+///
+/// # Errors
+/// [`Findings`] for a column that is missing, given twice or misspelt; the line is 1.
+///
+/// ```
+/// use morpho_fit::dataset::{ReadOptions, check_headings};
+/// let headings = ["wavelength_nm", "theta_deg", "phi_deg", "omega_deg", "intensity", "operator"].map(str::to_owned);
+/// let notes = check_headings(headings.to_vec(), &ReadOptions::default())?;
+/// assert_eq!(notes, ["column 6 `operator` is not used"]);
+/// # Ok::<(), morpho_fit::dataset::Findings>(())
+/// ```
+pub fn check_headings(headings: Vec<String>, options: &ReadOptions) -> Result<Vec<String>, Findings> {
+    let (mut found, mut notes) = (Collector::default(), Vec::new());
+    check_constants(&options.constants, &mut found);
+    if let Err(last) = Layout::tidy(headings, 1, options, &mut found, &mut notes) {
+        return Err(found.fail(last));
+    }
+    found.finish().map(|()| notes)
+}
+
 fn check_constants(constants: &Constants, found: &mut Collector) {
     let values = [
         (Quantity::Wavelength, constants.wavelength_nm.map(checks::wavelength)),

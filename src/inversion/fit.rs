@@ -38,6 +38,14 @@ pub enum FitError {
         /// Unknowns of the fit.
         unknowns: usize,
     },
+    /// A point of another dimension than the problem.
+    #[error("{found} values are given, but {expected} parameters are free")]
+    Point {
+        /// Values of the point.
+        found: usize,
+        /// Free parameters.
+        expected: usize,
+    },
     /// Intensities whose squares leave the range of numbers.
     #[error("the largest intensity is {largest:e}: give it in a unit in which it lies between 1e-100 and 1e100")]
     Unit {

@@ -14,6 +14,7 @@ mod jackknife;
 mod marginal;
 mod nuisance;
 mod numbering;
+mod objective;
 mod outcome;
 mod parameter;
 mod plan;
@@ -42,6 +43,7 @@ pub(crate) use compiled::Compiled;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};
+pub use objective::Objective;
 pub use outcome::{
     CurveResiduals, DataFound, Derived, Estimate, Fit, FitOutcome, FittedReading, IdentifiabilityFound, MinimumFound,
     NamedMatrix, NuisanceFound, Parameters, SCHEMA, SigmaSource, Status, Verdict,

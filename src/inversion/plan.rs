@@ -10,15 +10,19 @@
 //! Each reading is then three indices and two shares. [`Terms`] holds the values at the unique points for one structure;
 //! changing one parameter renews only the terms it enters.
 
+mod model_held;
+mod seen;
+
 use crate::dataset::Dataset;
 use crate::inversion::numbering::Numbers;
-use crate::inversion::parameter::{COUNT, Parameter, structure};
+use crate::inversion::parameter::{COUNT, structure};
 use crate::inversion::rows::Rows;
 use crate::inversion::settings::Parts;
 use crate::optics::hybrid::HybridNode;
 use crate::optics::lamella::{self, LamellaNode};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
 use crate::optics::{Join, Media, OpticsError, ReflectivityModel, lobe};
+use model_held::ModelHeld;
 use nalgebra::DVector;
 use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
@@ -62,7 +66,7 @@ struct StackRun {
 /// A data set compiled for one model.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    model: &'a dyn ReflectivityModel,
+    model: ModelHeld<'a>,
     stack: Vec<StackRun>,
     /// Number of stack nodes.
     nodes: usize,
@@ -161,7 +165,7 @@ impl<'a> Plan<'a> {
     ) -> Result<Self, OpticsError> {
         model.validate()?;
         let mut plan = Self {
-            model,
+            model: ModelHeld::Lent(model),
             stack: Vec::new(),
             nodes: 0,
             half_kv: Vec::new(),
@@ -278,49 +282,6 @@ impl<'a> Plan<'a> {
             reading.intensity = intensity;
         }
         self.rows.set_intensities(intensities);
-    }
-
-    /// Number of readings.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.readings.len()
-    }
-
-    /// Whether there are no readings.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.readings.is_empty()
-    }
-
-    /// Whether some reading sees Model A.
-    #[must_use]
-    pub fn has_lamella(&self) -> bool {
-        !self.half_kv.is_empty()
-    }
-
-    /// Whether some reading sees Model B.
-    #[must_use]
-    pub fn has_multilayer(&self) -> bool {
-        !self.stack.is_empty()
-    }
-
-    /// Whether some reading may depend on `parameter`.
-    pub(crate) fn sees(&self, parameter: Parameter) -> bool {
-        match parameter {
-            Parameter::DAir | Parameter::DCuticle => self.has_lamella() || self.has_multilayer(),
-            Parameter::Delta | Parameter::PhiAlpha => self.has_multilayer(),
-            Parameter::LamellaWidth => self.has_lamella() || self.is_product(),
-        }
-    }
-
-    /// Whether the model is one product: then the stack does not depend on the tilt, and the rest is the lobe.
-    pub(crate) fn is_product(&self) -> bool {
-        !self.product.is_empty()
-    }
-
-    /// Number of directions of incidence and view in which Model B is seen.
-    pub(crate) fn directions(&self) -> usize {
-        self.directions
     }
 
     pub(crate) fn interference(&self, period: f64) -> Vec<f64> {

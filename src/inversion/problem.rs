@@ -42,14 +42,18 @@ pub(crate) struct Evaluation {
 impl<'a> Problem<'a> {
     /// - `robust`: square roots of the weights of a robust loss; empty for none.
     pub(crate) fn new(compiled: &'a Compiled<'_>, space: &'a Space, robust: &[f64]) -> Self {
-        Self {
-            plan: &compiled.plan,
-            linear: &compiled.linear,
-            space,
-            weighted: compiled.plan.rows.weighted(robust),
-            derivative: compiled.settings.derivative,
-            last: RefCell::new(None),
-        }
+        Self::of_parts(&compiled.plan, &compiled.linear, space, robust, compiled.settings.derivative)
+    }
+
+    /// The same of what a plan and its nuisances are kept in.
+    pub(crate) fn of_parts(
+        plan: &'a Plan<'a>,
+        linear: &'a LinearPart,
+        space: &'a Space,
+        robust: &[f64],
+        derivative: Derivative,
+    ) -> Self {
+        Self { plan, linear, space, weighted: plan.rows.weighted(robust), derivative, last: RefCell::new(None) }
     }
 
     /// Number of residuals.

@@ -75,6 +75,21 @@ pub fn page(outcome: &FitOutcome, file: &str, charts: &[Chart<'_>], swatches: &[
     )
 }
 
+/// The parts of the page that a notebook shows under a cell: verdict, warnings, parameters and what is not determined.
+///
+/// - `file`: name of the data, for the reader.
+///
+/// It brings no style: the notebook has its own.
+#[must_use]
+pub fn fragment(outcome: &FitOutcome, file: &str) -> String {
+    let (readings, program) = (outcome.data.readings, &outcome.program);
+    let verdict = element("p", &wording::capitalised(&wording::verdict(outcome)));
+    let source = element("p", &format!("{file}: {readings} readings; {program}"));
+    let (warnings, undetermined) = (sections::warnings(outcome), sections::undetermined(outcome));
+    let parameters = sections::parameters(outcome);
+    format!("<div class=\"morpho-fit\">\n{verdict}{warnings}{parameters}{undetermined}{source}</div>\n")
+}
+
 fn colours(swatches: &[Swatch]) -> String {
     if swatches.is_empty() {
         return String::new();

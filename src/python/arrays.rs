@@ -1,0 +1,103 @@
+//! Arrays of numpy as the library reads them: where they lie, of one length or one number for all.
+
+use super::errors::refused;
+use numpy::ndarray::{ArrayView1, Ix1};
+use numpy::{AllowTypeChange, IntoPyArray, IxDyn, PyArrayDyn, PyArrayLikeDyn};
+use pyo3::prelude::*;
+
+/// A column of numbers: an array [n] of float64, read without a copy, whatever numpy makes one of, or one number for all.
+pub(crate) enum Column<'py> {
+    /// One number for all elements.
+    One(f64),
+    /// An array.
+    Array(PyArrayLikeDyn<'py, f64, AllowTypeChange>),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Column<'py> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        // A Python number, or one of numpy: cheaper than by way of an array.
+        if let Ok(one) = given.extract::<f64>() {
+            return Ok(Self::One(one));
+        }
+        Ok(Self::Array(given.extract()?))
+    }
+}
+
+impl Column<'_> {
+    /// 0 for all.
+    pub(crate) fn zero() -> Self {
+        Self::One(0.0)
+    }
+
+    fn values(&self, what: &str) -> PyResult<Values<'_>> {
+        match self {
+            Self::One(one) => Ok(Values::One(*one)),
+            Self::Array(array) => {
+                let shape = array.as_array().shape().to_vec();
+                let flat = array.as_array().into_dimensionality::<Ix1>();
+                let flat =
+                    flat.map_err(|_| refused(format!("{what} has the shape {shape:?}; it must be an array [n]")));
+                // Contiguous arrays are slices; the rest is read with its stride.
+                flat.map(|view| view.to_slice().map_or(Values::Strided(view), Values::Slice))
+            }
+        }
+    }
+}
+
+/// The numbers of a column, which other threads can read.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Values<'a> {
+    One(f64),
+    Slice(&'a [f64]),
+    Strided(ArrayView1<'a, f64>),
+}
+
+impl Values<'_> {
+    /// Element `index`, which is below the common length.
+    #[inline]
+    pub(crate) fn at(&self, index: usize) -> f64 {
+        match self {
+            Self::One(one) => *one,
+            Self::Slice(all) => all[index],
+            Self::Strided(all) => all[index],
+        }
+    }
+
+    fn len(&self) -> Option<usize> {
+        match self {
+            Self::One(_) => None,
+            Self::Slice(all) => Some(all.len()),
+            Self::Strided(all) => Some(all.len()),
+        }
+    }
+}
+
+/// Columns with their common length; `None` if all of them are single numbers.
+pub(crate) fn together<'a, const N: usize>(
+    columns: [(&str, &'a Column<'_>); N],
+) -> PyResult<([Values<'a>; N], Option<usize>)> {
+    let mut values = [Values::One(0.0); N];
+    let mut length: Option<(&str, usize)> = None;
+    for (slot, (name, column)) in values.iter_mut().zip(columns) {
+        *slot = column.values(name)?;
+        if let Some(found) = slot.len() {
+            match length {
+                None => length = Some((name, found)),
+                Some((first, expected)) if expected != found => {
+                    return Err(refused(format!("{name} has {found} elements, but {first} has {expected}")));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    Ok((values, length.map(|(_, length)| length)))
+}
+
+/// Results as an array [n], or without dimensions where every argument was one number.
+pub(crate) fn array(py: Python<'_>, values: Vec<f64>, length: Option<usize>) -> PyResult<Bound<'_, PyArrayDyn<f64>>> {
+    let shape = length.map_or_else(Vec::new, |length| vec![length]);
+    let shaped = numpy::ndarray::ArrayD::from_shape_vec(IxDyn(&shape), values);
+    Ok(shaped.map_err(|error| refused(error.to_string()))?.into_pyarray(py))
+}

@@ -1,0 +1,162 @@
+//! Forward models over arrays.
+
+use super::arrays::{Column, array, together};
+use super::errors::{of_optics, refused};
+use super::model::{ModelArgument, Stack};
+use super::structure::Structure;
+use super::words;
+use crate::geometry::{Geometry, Polarization};
+use crate::optics::multilayer::{Period, reflectivities};
+use crate::optics::{self, Contribution, OpticsError, ReflectivityModel};
+use crate::units::radians;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyArrayDyn};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+/// Readings that one thread takes at a time: enough that starting it costs little.
+const SHARE: usize = 1024;
+
+/// A row of s and a row of p.
+type Planes<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+/// The two contributions.
+type Terms<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
+
+/// Reflectivity of the stack alone, exact for s and p, over a grid.
+///
+/// wavelength [m], nm; theta [n], degrees from the normal of the layers (the tilt delta is not taken off). Returns
+/// (R_s, R_p), each [m, n], dimensionless. Raises OpticsError for input out of range.
+#[pyfunction]
+#[pyo3(signature = (structure, wavelength, theta, *, stack=None))]
+pub(crate) fn multilayer_reflectivity<'py>(
+    py: Python<'py>,
+    structure: &Structure,
+    wavelength: Column<'py>,
+    theta: Column<'py>,
+    stack: Option<Stack>,
+) -> PyResult<Planes<'py>> {
+    let ([wavelength], rows) = together([("wavelength", &wavelength)])?;
+    let ([theta], columns) = together([("theta", &theta)])?;
+    let stack = stack.map(|stack| stack.stack).unwrap_or_default();
+    let (rows, columns) = (rows.unwrap_or(1), columns.unwrap_or(1));
+    let period = Period::of(&structure.inside);
+    let work = || -> Result<[Vec<f64>; 2], OpticsError> {
+        let wavelengths: Vec<f64> = (0..rows).map(|row| wavelength.at(row)).collect();
+        let runs = runs(&stack, &wavelengths)?;
+        let mut found = [vec![0.0; rows * columns], vec![0.0; rows * columns]];
+        for column in 0..columns {
+            let angle = radians(theta.at(column));
+            for (first, media, length) in &runs {
+                let along = &wavelengths[*first..first + length];
+                for (row, both) in reflectivities(media, along, period, stack.layers, angle)?.into_iter().enumerate() {
+                    let place = (first + row) * columns + column;
+                    (found[0][place], found[1][place]) = (both.s, both.p);
+                }
+            }
+        }
+        Ok(found)
+    };
+    let [s, p] = py.detach(work).map_err(|error| of_optics(py, &error, None))?;
+    let grid = |values| {
+        let shaped = Array2::from_shape_vec((rows, columns), values);
+        Ok::<_, PyErr>(shaped.map_err(|error| refused(error.to_string()))?.into_pyarray(py))
+    };
+    Ok((grid(s)?, grid(p)?))
+}
+
+/// Neighbouring wavelengths whose media have the same indices: first, media, how many.
+fn runs(stack: &optics::Stack, wavelengths: &[f64]) -> Result<Vec<(usize, optics::Media, usize)>, OpticsError> {
+    let mut runs: Vec<(usize, optics::Media, usize)> = Vec::new();
+    for (row, &wavelength) in wavelengths.iter().enumerate() {
+        let media = stack.media(wavelength)?;
+        match runs.last_mut() {
+            Some((_, known, length)) if *known == (optics::Media { wavelength: known.wavelength, ..media }) => {
+                *length += 1;
+            }
+            _ => runs.push((row, media, 1)),
+        }
+    }
+    Ok(runs)
+}
+
+/// What a measurement of scale 1 would read, for each reading.
+///
+/// wavelength in nm, theta, phi and omega in degrees: arrays [n] or single numbers. polarization is "unpolarized", "s" or
+/// "p". Returns an array [n], dimensionless, or without dimensions if every argument is one number. Raises OpticsError, with
+/// the `index` of the reading, for input out of range.
+#[pyfunction]
+#[pyo3(signature = (structure, wavelength, theta, phi, omega, *, polarization="unpolarized", model=None))]
+#[allow(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn reflectivity<'py>(
+    py: Python<'py>,
+    structure: &Structure,
+    wavelength: Column<'py>,
+    theta: Column<'py>,
+    phi: Column<'py>,
+    omega: Column<'py>,
+    polarization: &str,
+    model: Option<ModelArgument>,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let sum = |terms: [Contribution; 2]| terms.iter().map(|term| term.intensity).sum::<f64>();
+    let columns = [&wavelength, &theta, &phi, &omega];
+    let (found, length) = evaluated(py, structure, columns, polarization, model, &sum)?;
+    array(py, found, length)
+}
+
+/// The two contributions of reflectivity(): (lamella, multilayer), each with its share of the plane in it.
+///
+/// Arguments, shapes, units and errors as in reflectivity(). In the "hybrid" model, one product, all is multilayer.
+#[pyfunction]
+#[pyo3(signature = (structure, wavelength, theta, phi, omega, *, polarization="unpolarized", model=None))]
+#[allow(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn contributions<'py>(
+    py: Python<'py>,
+    structure: &Structure,
+    wavelength: Column<'py>,
+    theta: Column<'py>,
+    phi: Column<'py>,
+    omega: Column<'py>,
+    polarization: &str,
+    model: Option<ModelArgument>,
+) -> PyResult<Terms<'py>> {
+    let both = |terms: [Contribution; 2]| terms.map(|term| term.intensity);
+    let columns = [&wavelength, &theta, &phi, &omega];
+    let (found, length) = evaluated(py, structure, columns, polarization, model, &both)?;
+    let column = |term: usize| array(py, found.iter().map(|terms| terms[term]).collect(), length);
+    Ok((column(0)?, column(1)?))
+}
+
+/// `of` the contributions at each reading, in parallel, and the common length.
+fn evaluated<'py, T: Send>(
+    py: Python<'py>,
+    structure: &Structure,
+    [wavelength, theta, phi, omega]: [&Column<'py>; 4],
+    polarization: &str,
+    model: Option<ModelArgument>,
+    of: &(dyn Fn([Contribution; 2]) -> T + Sync),
+) -> PyResult<(Vec<T>, Option<usize>)> {
+    let polarization = words::polarization(polarization)?;
+    let model = ModelArgument::model(model, py)?.forward()?;
+    let columns = [("wavelength", wavelength), ("theta", theta), ("phi", phi), ("omega", omega)];
+    let ([wavelength, theta, phi, omega], length) = together(columns)?;
+    let one = |index: usize| -> Result<T, (usize, OpticsError)> {
+        let geometry =
+            Geometry { theta: radians(theta.at(index)), phi: radians(phi.at(index)), omega: radians(omega.at(index)) };
+        terms(model.as_ref(), structure, &geometry, polarization, wavelength.at(index))
+            .map(of)
+            .map_err(|error| (index, error))
+    };
+    let all = || (0..length.unwrap_or(1)).into_par_iter().with_min_len(SHARE).map(one).collect::<Result<Vec<T>, _>>();
+    let found = py.detach(all).map_err(|(index, error)| of_optics(py, &error, length.map(|_| index)))?;
+    Ok((found, length))
+}
+
+fn terms(
+    model: &dyn ReflectivityModel,
+    structure: &Structure,
+    geometry: &Geometry,
+    polarization: Polarization,
+    wavelength: f64,
+) -> Result<[Contribution; 2], OpticsError> {
+    model.contributions(&structure.inside, geometry, polarization, wavelength)
+}

@@ -1,0 +1,28 @@
+//! Words of the command line as Python strings.
+
+use super::errors::refused;
+use crate::geometry::Polarization;
+use crate::optics::{Admittance, Snell};
+use pyo3::PyResult;
+
+/// The value of `word` among `choices`; `what` names the argument.
+pub(crate) fn choose<T: Clone>(what: &str, word: &str, choices: &[(&str, T)]) -> PyResult<T> {
+    if let Some((_, value)) = choices.iter().find(|(name, _)| *name == word) {
+        return Ok(value.clone());
+    }
+    let names: Vec<String> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+    Err(refused(format!("{what} is \"{word}\"; it must be {}", names.join(" or "))))
+}
+
+pub(crate) fn polarization(word: &str) -> PyResult<Polarization> {
+    let words = [Polarization::Unpolarized, Polarization::S, Polarization::P].map(|one| (one.word(), one));
+    choose("polarization", word, &words)
+}
+
+pub(crate) fn snell(word: &str) -> PyResult<Snell> {
+    choose("snell", word, &[("right", Snell::Right), ("printed", Snell::Printed)])
+}
+
+pub(crate) fn admittance(word: &str) -> PyResult<Admittance> {
+    choose("admittance", word, &[("mean", Admittance::Mean), ("per-polarization", Admittance::PerPolarization)])
+}
