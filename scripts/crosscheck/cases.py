@@ -54,13 +54,18 @@ class Terms:
             lamellae = found.take(self.of_lamella, axis=-1) * self.share_a
         if self.sees_b.any():
             wavelength, theta = self.refracted
-            stack = functools.partial(model.stack, Media(), air, cuticle, wavelength, theta - delta)
-            lobe = model.lobe(*self.mirrored, delta, phi_alpha).take(self.of_lobe, axis=-1) * self.share_b
+
+            def stack(polarization: model.Polarization) -> Real:
+                """For each reading."""
+                found = model.stack(Media(), air, cuticle, wavelength, theta - delta, polarization)
+                return np.asarray(found.take(self.of_stack, axis=-1))
+
+            incident, viewed = self.mirrored
+            lobe = model.lobe(incident, viewed, delta, phi_alpha).take(self.of_lobe, axis=-1) * self.share_b
             if self.printed:
-                found = stack("mean admittance").take(self.of_stack, axis=-1)
+                found = stack("mean admittance")
             else:
-                s, p = (stack(one).take(self.of_stack, axis=-1) for one in ("s", "p"))
-                found = self.share_s * s + (1 - self.share_s) * p
+                found = self.share_s * stack("s") + (1 - self.share_s) * stack("p")
             multilayer = found * lobe
         return lamellae, multilayer
 
@@ -123,7 +128,7 @@ def nonnegative(columns: Real, data: Real) -> Real:
     """Linear least squares with one or two coefficients of at least 0: the best of inside, each edge, and the corner."""
     gram, right = np.swapaxes(columns, -1, -2) @ columns, np.einsum("...nk,n->...k", columns, data)
     square = np.diagonal(gram, axis1=-2, axis2=-1)
-    alone = np.maximum(right, 0) / np.where(square > 0, square, 1)
+    alone: Real = np.maximum(right, 0) / np.where(square > 0, square, 1)
     if right.shape[-1] == 1:
         return alone
     determinant = gram[..., 0, 0] * gram[..., 1, 1] - gram[..., 0, 1] ** 2
@@ -133,7 +138,7 @@ def nonnegative(columns: Real, data: Real) -> Real:
     inside = (determinant > 0) & (first > 0) & (second > 0)
     gains = alone * right
     edge = np.where(gains >= gains.max(axis=-1, keepdims=True), alone, 0)
-    return np.where(inside[..., None], np.stack([first, second], axis=-1), edge)
+    return np.asarray(np.where(inside[..., None], np.stack([first, second], axis=-1), edge))
 
 
 def read_file(name: str) -> Case:
@@ -151,14 +156,18 @@ def read_file(name: str) -> Case:
             for theta, value in row.items()
             if theta != "wavelength_nm"
         ]
-    column = lambda title: np.array([float(row[title]) for row in rows])
-    wavelength, theta, phi, omega = (column(f"{t}") for t in ("wavelength_nm", "theta_deg", "phi_deg", "omega_deg"))
+
+
+    def column(title: str) -> Real:
+        return np.array([float(row[title]) for row in rows])
+
+    theta, phi, omega = (np.radians(column(title)) for title in ("theta_deg", "phi_deg", "omega_deg"))
     share_s = np.array([{"s": 1.0, "p": 0.0}.get(row.get("polarization", ""), 0.5) for row in rows])
     sigma = column("sigma") if "sigma" in rows[0] else np.ones(len(rows))
-    terms = Terms(wavelength, *np.radians([theta, phi, omega]), share_s, printed=False)
+    terms = Terms(column("wavelength_nm"), theta, phi, omega, share_s, printed=False)
     scales = 2 if terms.sees_a.any() and terms.sees_b.any() else 1
-    bounds = np.array(LOWER), np.array(UPPER)
-    return Case(f"data/{name}.csv", terms, column("intensity"), sigma, *bounds, scales, str(path), said)
+    lower, upper = np.array(LOWER), np.array(UPPER)
+    return Case(f"data/{name}.csv", terms, column("intensity"), sigma, lower, upper, scales, str(path), said)
 
 
 def workload_cases(folder: Path, name: str) -> Iterator[Case]:
@@ -167,7 +176,8 @@ def workload_cases(folder: Path, name: str) -> Iterator[Case]:
     axes = [np.array(known[axis], float) for axis in ("omega_deg", "lambda_nm", "phi_deg")]
     omega, wavelength, phi = (grid.ravel() for grid in np.meshgrid(*axes, indexing="ij"))
     theta = np.full(phi.size, float(known["theta_deg"]))
-    terms = Terms(wavelength, *np.radians([theta, phi, omega]), np.full(phi.size, 0.5), printed=True)
+    seen = np.radians(theta), np.radians(phi), np.radians(omega)
+    terms = Terms(wavelength, *seen, np.full(phi.size, 0.5), printed=True)
     lower, upper = np.array(known["bounds"]["lower"], float), np.array(known["bounds"]["upper"], float)
     scales = 1 if name == "w3b" else 0
     table = np.loadtxt(folder / f"{name}_data.csv", delimiter=",", skiprows=1)

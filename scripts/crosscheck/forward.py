@@ -61,11 +61,11 @@ def plain(rng: np.random.Generator, layers: tuple[int, int] = (1, 30)) -> Draw:
     }
     n = {"cuticle": rng.uniform(1.2, 2.5), "gap": rng.uniform(1, 1.2), "base": rng.uniform(1, 2.5)}
     count = int(rng.integers(*layers, endpoint=True))
-    angles = [rng.uniform(-90, 90, READINGS) for _ in range(2)]
+    theta, phi = rng.uniform(-90, 90, (2, READINGS))
     stack = {f"n_{name}": value for name, value in n.items()} | {"layers": count}
     wavelength, omega = rng.uniform(300, 1000, READINGS), rng.uniform(-90, 90, READINGS)
     polarization = str(rng.choice(["unpolarized", "s", "p"]))
-    return Draw(structure, Media(count, **n), stack, wavelength, *angles, omega, polarization)
+    return Draw(structure, Media(count, **n), stack, wavelength, theta, phi, omega, polarization)
 
 
 def edges(rng: np.random.Generator) -> Draw:
@@ -111,13 +111,13 @@ def dispersive(rng: np.random.Generator) -> Draw:
     n = rng.uniform(1.3, 2, 4)
     base = complex(rng.uniform(1, 4), rng.uniform(0, 4))
     if rng.random() < 0.5:
-        given, cuticle = morpho_fit.Cauchy(a, b), a + b / wavelength**2 + 0j
+        given, cuticle = morpho_fit.Cauchy(a, b), np.asarray(a + b / wavelength**2 + 0j)
     else:
         given = morpho_fit.IndexTable(rows, n, k)
         cuticle = np.interp(wavelength, rows, n) + 1j * np.interp(wavelength, rows, k)
     filling = None if rng.random() < 0.5 else rng.uniform(0.1, 1)
     if filling is not None:
-        cuticle = np.sqrt(1 + filling * (cuticle**2 - 1))
+        cuticle = np.asarray(np.sqrt(1 + filling * (cuticle**2 - 1)))
     draw.media = Media(draw.media.layers, cuticle, draw.media.gap, base)
     draw.stack |= {"n_cuticle": given, "n_base": base, "filling": filling}
     return draw
@@ -168,7 +168,7 @@ def layers(draw: Draw, angle: Real) -> Real:
 def product(draw: Draw) -> Real:
     """The hybrid of a draw in numpy."""
     _, _, delta, phi_alpha, width = draw.in_radians
-    spacing, wavelength = draw.choices["ridge_spacing"], draw.wavelength / draw.media.ambient
+    spacing, wavelength = draw.choices["ridge_spacing"], np.real(draw.wavelength / draw.media.ambient)
     spread, angle = model.hybrid_spread(delta, phi_alpha, width, spacing, wavelength, *draw.angles)
     return spread * layers(draw, angle)
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Matrix = tuple[Complex, Complex, Complex, Complex]
+Index = Complex | Real | complex | float
 Polarization = Literal["s", "p", "mean admittance"]
 
 # Above so many layers a power of a matrix is brought back to size 1 at every step: in a band gap it grows without end.
@@ -32,10 +33,10 @@ class Media:
     """Indices of ambient | (cuticle, gap) x layers | base, each a number or an array over the readings."""
 
     layers: int = 9
-    cuticle: Complex | complex = 1.56
-    gap: Complex | complex = 1.0
-    base: Complex | complex = 1.0
-    ambient: Real | float = 1.0
+    cuticle: Index = 1.56
+    gap: Index = 1.0
+    base: Index = 1.0
+    ambient: Index = 1.0
 
 
 def comb(x: Real, layers: int) -> Real:
@@ -81,13 +82,13 @@ def power(a: Matrix, exponent: int) -> Matrix:
         a = kept(product(a, a))
 
 
-def cosine(index: Complex | complex, sine: Real | Complex) -> Complex:
+def cosine(index: Index, sine: Index) -> Complex:
     """Of the angle in a medium, for the ambient n sin; the root whose wave decays."""
     found = np.sqrt(np.asarray(1 - (sine / index) ** 2, dtype=complex))
-    return np.where((index * found).imag < 0, -found, found)
+    return np.asarray(np.where((index * found).imag < 0, -found, found))
 
 
-def admittance(index: Complex | complex, cos: Complex, polarization: Polarization) -> Complex:
+def admittance(index: Index, cos: Complex, polarization: Polarization) -> Complex:
     if polarization == "s":
         return np.asarray(index * cos)
     if polarization == "p":
@@ -95,9 +96,10 @@ def admittance(index: Complex | complex, cos: Complex, polarization: Polarizatio
     return np.asarray((index * cos + index / cos) / 2)
 
 
-def layer(index: Complex | complex, cos: Complex, y: Complex, thickness: Real, k: Real) -> Matrix:
-    e = np.expm1(2j * k * index * thickness * cos)
-    return 1 + e / 2, -e / 2 / y, -e / 2 * y, 1 + e / 2
+def layer(index: Index, cos: Complex, y: Complex, thickness: Real, k: Real) -> Matrix:
+    e: Complex = np.expm1(np.asarray(2j * k * index * thickness * cos))
+    same: Complex = np.asarray(1 + e / 2)
+    return same, -e / 2 / y, -e / 2 * y, same
 
 
 def stack(
@@ -116,9 +118,9 @@ def stack(
     """
     k = 2 * np.pi / wavelength
     sine, ambient = np.sin(angle), np.cos(angle).astype(complex)
-    bent = [media.ambient * sine] * 3
+    bent: list[Index] = [media.ambient * sine] * 3
     if printed_snell:
-        bent = [media.cuticle * sine * media.cuticle / media.gap, media.gap * sine, media.base * sine]
+        bent = [np.asarray(media.cuticle * sine * media.cuticle / media.gap, dtype=complex), media.gap * sine, media.base * sine]
     cosines = [cosine(index, s) for index, s in zip((media.cuticle, media.gap, media.base), bent)]
     y = [admittance(n, c, polarization) for n, c in zip((media.cuticle, media.gap, media.base), cosines)]
     period = product(
@@ -130,12 +132,6 @@ def stack(
     field, flux = whole[0] + whole[1] * y[2], whole[2] + whole[3] * y[2]
     reflected = (y_ambient * field - flux) / (y_ambient * field + flux)
     return np.where(np.cos(angle) < 0, 0.0, abs(reflected) ** 2)
-
-
-def unpolarized(media: Media, d_air: Real, d_cuticle: Real, wavelength: Real, angle: Real) -> Real:
-    """The mean of the reflectivities for s and p."""
-    s, p = (stack(media, d_air, d_cuticle, wavelength, angle, each) for each in ("s", "p"))
-    return (s + p) / 2
 
 
 def lobe(theta: Real, phi: Real, delta: Real, phi_alpha: Real) -> Real:

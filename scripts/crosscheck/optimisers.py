@@ -6,7 +6,7 @@ minima are compared and not tolerances. A rival fails where it ends above our ch
 
 import warnings
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,6 +27,7 @@ SEED = 6
 LOCAL, GLOBAL = 600, 2500
 # Starts of the local searches, even over the box.
 STARTS = 4
+WORKLOADS = {"w2": 1, "w3": 20, "w3b": 20}
 POPULATION, GENERATIONS = 10, 60
 
 
@@ -170,15 +171,13 @@ def workload_contest(folder: Path, name: str, number: int) -> Contest:
     return contest(list(workload_cases(folder, name))[number])
 
 
-def contests(pool: ProcessPoolExecutor, workloads: Path | None) -> list[Contest]:
-    """Of the files of data/, and of the workloads if their definitions are here."""
+def submitted(pool: ProcessPoolExecutor, workloads: Path) -> list[Future[Contest]]:
+    """Of the files of data/, and of the workloads whose data are here."""
     waiting = [pool.submit(file_contest, name) for name in FILES]
-    if workloads is not None:
-        sizes = {"w2": 1, "w3": 20, "w3b": 20}
-        for name, size in sizes.items():
-            if (workloads / f"{name}_data.csv").exists():
-                waiting += [pool.submit(workload_contest, workloads, name, number) for number in range(size)]
-    return [each.result() for each in waiting]
+    for name, size in WORKLOADS.items():
+        if (workloads / f"{name}_data.csv").exists():
+            waiting += [pool.submit(workload_contest, workloads, name, number) for number in range(size)]
+    return waiting
 
 
 def rows(found: list[Contest]) -> list[Row]:

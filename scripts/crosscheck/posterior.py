@@ -94,17 +94,17 @@ def agreement(a: Moments, b: Moments) -> tuple[float, float]:
     return float(off.max()), float(abs(a.spread / b.spread - 1).max())
 
 
-def of_name(name: str, workloads: Path | None) -> Case:
-    if workloads is None or name != "W4":
+def of_name(name: str, workloads: Path) -> Case:
+    if name != "W4":
         return read_file(name)
     return dataclasses.replace(next(workload_cases(workloads, "w2")), name="W4")
 
 
-def theirs_of(name: str, workloads: Path | None, move: str) -> Moments:
+def theirs_of(name: str, workloads: Path, move: str) -> Moments:
     return theirs(of_name(name, workloads), move)
 
 
-def wrong_sigma_of(name: str, workloads: Path | None) -> Moments:
+def wrong_sigma_of(name: str, workloads: Path) -> Moments:
     case = of_name(name, workloads)
     case.ours  # the fit is of the right sigma
     wrong = dataclasses.replace(case, sigma=case.sigma * WRONG_SIGMA)
@@ -112,22 +112,22 @@ def wrong_sigma_of(name: str, workloads: Path | None) -> Moments:
     return theirs(wrong, "DE")
 
 
-def cut_of(name: str, workloads: Path | None) -> Moments:
+def cut_of(name: str, workloads: Path) -> Moments:
     case = of_name(name, workloads)
     wrong = dataclasses.replace(case, upper=np.where(np.array(NAMES) == "d_air", case.best[0], case.upper))
     wrong.__dict__["ours"] = case.ours
     return theirs(wrong, "DE")
 
 
-def submitted(pool: ProcessPoolExecutor, workloads: Path | None) -> dict[tuple[str, str], Future[Moments]]:
-    names = ["blue_morpho"] + (["W4"] if workloads is not None else [])
+def submitted(pool: ProcessPoolExecutor, workloads: Path) -> dict[tuple[str, str], Future[Moments]]:
+    names = ["blue_morpho"] + (["W4"] if (workloads / "w2_data.csv").exists() else [])
     waiting = {(name, move): pool.submit(theirs_of, name, workloads, move) for name in names for move in STEPS}
     waiting[("blue_morpho", "wrong sigma")] = pool.submit(wrong_sigma_of, "blue_morpho", workloads)
     waiting[("blue_morpho", "cut")] = pool.submit(cut_of, "blue_morpho", workloads)
     return waiting
 
 
-def rows(waiting: dict[tuple[str, str], Future[Moments]], workloads: Path | None) -> list[Row]:
+def rows(waiting: dict[tuple[str, str], Future[Moments]], workloads: Path) -> list[Row]:
     table = []
     for name in dict.fromkeys(name for name, _ in waiting):
         case = of_name(name, workloads)
