@@ -120,7 +120,9 @@ class Case:
     @property
     def best(self) -> Real:
         """Our minimum, all five parameters."""
-        found = self.ours.structure.to_dict()
+        structure = self.ours.structure
+        assert structure is not None, self.name
+        found = structure.to_dict()
         return np.array([found[name] for name in NAMES])
 
 

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import morpho_fit
 import numpy as np
@@ -13,12 +13,16 @@ from . import model
 from .model import Media, Real
 from .table import Row
 
+Seen = Literal["unpolarized", "s", "p"]
+Name = Literal["blend", "hybrid", "paper"]
+
 LIMIT = 1e-12
 # Beyond LIMIT, what the answer changes where the wavelength and the ambient index change by this much, a few roundings: the
 # phases of 3000 layers, and a wave near the critical angle, magnify them. Only the two rows that say so are allowed it.
 ROUNDINGS = 4 * 2.0**-52
 STEP = 1e-9
 SEED = 5
+POLARIZATIONS: tuple[Seen, ...] = ("unpolarized", "s", "p")
 READINGS = 125
 TMM_POINTS = 1000
 
@@ -34,7 +38,7 @@ class Draw:
     theta: Real
     phi: Real
     omega: Real
-    polarization: str = "unpolarized"
+    polarization: Seen = "unpolarized"
     choices: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -64,7 +68,7 @@ def plain(rng: np.random.Generator, layers: tuple[int, int] = (1, 30)) -> Draw:
     theta, phi = rng.uniform(-90, 90, (2, READINGS))
     stack = {f"n_{name}": value for name, value in n.items()} | {"layers": count}
     wavelength, omega = rng.uniform(300, 1000, READINGS), rng.uniform(-90, 90, READINGS)
-    polarization = str(rng.choice(["unpolarized", "s", "p"]))
+    polarization = POLARIZATIONS[rng.integers(3)]
     return Draw(structure, Media(count, **n), stack, wavelength, theta, phi, omega, polarization)
 
 
@@ -110,6 +114,7 @@ def dispersive(rng: np.random.Generator) -> Draw:
     a, b, k = rng.uniform(1.4, 1.6), rng.uniform(0, 2e4), rng.uniform(0, 0.3, 4)
     n = rng.uniform(1.3, 2, 4)
     base = complex(rng.uniform(1, 4), rng.uniform(0, 4))
+    given: morpho_fit.Cauchy | morpho_fit.IndexTable
     if rng.random() < 0.5:
         given, cuticle = morpho_fit.Cauchy(a, b), np.asarray(a + b / wavelength**2 + 0j)
     else:
@@ -173,19 +178,19 @@ def product(draw: Draw) -> Real:
     return spread * layers(draw, angle)
 
 
-def crate(draw: Draw, name: str) -> Real:
+def crate(draw: Draw, name: Name) -> Real:
     whole = morpho_fit.Model(name, stack=morpho_fit.Stack(**draw.stack), **draw.choices)
     structure = morpho_fit.Structure(**draw.structure)
     seen = draw.wavelength, draw.theta, draw.phi, draw.omega
     return np.asarray(morpho_fit.reflectivity(structure, *seen, polarization=draw.polarization, model=whole))
 
 
-def in_numpy(draw: Draw, name: str) -> Real:
+def in_numpy(draw: Draw, name: Name) -> Real:
     with np.errstate(divide="ignore", invalid="ignore"):
         return product(draw) if name == "hybrid" else both_planes(draw)
 
 
-def magnified(draw: Draw, name: str) -> Real:
+def magnified(draw: Draw, name: Name) -> Real:
     """How much ROUNDINGS of wavelength and ambient index change the answer."""
     usual, media = in_numpy(draw, name), draw.media
     redder = dataclasses.replace(draw, wavelength=draw.wavelength * (1 + STEP))
@@ -198,7 +203,7 @@ class Kind:
     """Draws of one row of the table."""
 
     what: str
-    model: str
+    model: Name
     draw: Callable[[np.random.Generator], Draw]
     draws: int
     # Whether what rounding does is allowed beside LIMIT.

@@ -200,14 +200,21 @@ def rows(found: list[Contest]) -> list[Row]:
     return table
 
 
+def group_of(each: Contest) -> str:
+    """data, W2, W3 or W3b."""
+    return each.case.split()[0].split("/")[0]
+
+
 def failures(found: list[Contest]) -> str:
     """How often each rival ends above our minimum, by group of cases."""
     groups: dict[str, dict[str, list[bool]]] = {}
     for each in found:
         for one in each.found:
             above = [end > each.ours * (1 + REACHED) for end in one.ends]
-            groups.setdefault(one.rival, {}).setdefault(each.case.split()[0].split("/")[0], []).extend(above)
+            groups.setdefault(one.rival, {}).setdefault(group_of(each), []).extend(above)
     titles = list(dict.fromkeys(title for group in groups.values() for title in group))
+    below = {title: [each.below is not None for each in found if group_of(each) == title] for title in titles}
+    groups = {"fit (a rival ends lower)": below} | groups
     lines = ["| optimiser | " + " | ".join(titles) + " |", "|---|" + "--:|" * len(titles)]
     for rival, group in groups.items():
         cells = [f"{sum(group[t])} of {len(group[t])}" if t in group else "" for t in titles]
