@@ -17,7 +17,7 @@ from pathlib import Path
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from . import colours, errors, forward, optimisers, posterior
+from . import averages, colours, errors, forward, objectives, optimisers, posterior
 from .cases import ROOT
 from .table import Row, markdown
 
@@ -73,7 +73,7 @@ def main() -> int:
         chains = posterior.submitted(pool, given)
         fits = optimisers.submitted(pool, given)
         sections = {
-            "Forward models": forward.rows(),
+            "Forward models and objective": forward.rows() + averages.rows() + objectives.rows(given),
             "Colours": colours.rows(),
             "Error report of lmfit": errors.rows(),
             "Posterior": posterior.rows(chains, given),
