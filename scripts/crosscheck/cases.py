@@ -159,7 +159,6 @@ def read_file(name: str) -> Case:
             if theta != "wavelength_nm"
         ]
 
-
     def column(title: str) -> Real:
         return np.array([float(row[title]) for row in rows])
 

@@ -42,11 +42,18 @@ def rows() -> list[Row]:
     return [
         Row.of(f"{case.name}: best values", "fit", "lmfit", float((abs(values - best) / spread).max()), 1e-3, " sigma"),
         Row.of(
-            f"{case.name}: standard deviations, seven", "fit", "lmfit",
-            100 * float(abs(ours / spread - 1).max()), SIGMA, " %",
+            f"{case.name}: standard deviations, seven",
+            "fit",
+            "lmfit",
+            100 * float(abs(ours / spread - 1).max()),
+            SIGMA,
+            " %",
         ),
         Row.of(
-            f"{case.name}: correlations, seven", "fit", "lmfit",
-            float(abs(correlation - matrix[np.ix_(order, order)]).max()), CORRELATION,
+            f"{case.name}: correlations, seven",
+            "fit",
+            "lmfit",
+            float(abs(correlation - matrix[np.ix_(order, order)]).max()),
+            CORRELATION,
         ),
     ]

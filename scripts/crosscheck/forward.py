@@ -270,7 +270,9 @@ def by_tmm() -> list[Row]:
                 theirs = tmm.coh_tmm(polarization, indices, widths, np.radians(theta), wavelength)["R"]
                 off.append(abs(float(one[0, 0]) - float(theirs)))
         what = "absorbing" if absorbing else "lossless"
-        rows.append(Row.of(f"stack: {what}, {2 * TMM_POINTS:,} points, s and p", "crate", "tmm", float(np.max(off)), LIMIT))
+        rows.append(
+            Row.of(f"stack: {what}, {2 * TMM_POINTS:,} points, s and p", "crate", "tmm", float(np.max(off)), LIMIT)
+        )
     return rows
 
 

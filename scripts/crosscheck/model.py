@@ -120,7 +120,11 @@ def stack(
     sine, ambient = np.sin(angle), np.cos(angle).astype(complex)
     bent: list[Index] = [media.ambient * sine] * 3
     if printed_snell:
-        bent = [np.asarray(media.cuticle * sine * media.cuticle / media.gap, dtype=complex), media.gap * sine, media.base * sine]
+        bent = [
+            np.asarray(media.cuticle * sine * media.cuticle / media.gap, dtype=complex),
+            media.gap * sine,
+            media.base * sine,
+        ]
     cosines = [cosine(index, s) for index, s in zip((media.cuticle, media.gap, media.base), bent)]
     y = [admittance(n, c, polarization) for n, c in zip((media.cuticle, media.gap, media.base), cosines)]
     period = product(

@@ -6,6 +6,7 @@ the parameters, sqrt(det G) with the normal matrix G of their columns for the sc
 """
 
 import dataclasses
+import functools
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,8 +26,9 @@ MEAN, SPREAD = 4.0, 0.05
 # A covariance is the curvature at the minimum, a profile follows the likelihood out to one standard deviation; a posterior
 # that is not quite normal has a little more in its tails.
 NORMAL = 0.05
-# The wrong posteriors that the check must refuse: sigma this much too large, and a prior cut at our mean.
-WRONG_SIGMA = 1.3
+# The wrong posteriors that the check must refuse.
+TOO_LARGE = 1.3
+WRONG_SIGMA, CUT = f"sigma {TOO_LARGE:g} times too large", "prior of d_air cut at our best"
 
 
 @dataclass(frozen=True)
@@ -63,17 +65,15 @@ def log_density(case: Case, points: Real) -> Real:
     return found
 
 
-def theirs(case: Case, move: str) -> Moments:
-    """emcee with one kind of move, begun about our minimum and well away from it."""
+def theirs(case: Case, move: str, best: Real, sigma: Real) -> Moments:
+    """emcee with one kind of move, begun within half a standard deviation of `best`."""
     rng = np.random.default_rng(SEED)
-    best = case.best
-    wide = np.array([case.ours.sigma[name] for name in NAMES]) * 0.5
-    x = np.clip(best + wide * rng.standard_normal((WALKERS, best.size)), case.lower, case.upper)
+    x = np.clip(best + 0.5 * sigma * rng.standard_normal((WALKERS, best.size)), case.lower, case.upper)
     if case.scales:
         scales = case.scaled(best)[0]
         x = np.hstack([x, scales * (1 + 0.003 * rng.standard_normal((WALKERS, scales.size)))])
     moves = {"stretch": emcee.moves.StretchMove(), "DE": emcee.moves.DEMove()}
-    density = lambda points: log_density(case, points)
+    density = functools.partial(log_density, case)
     sampler = emcee.EnsembleSampler(WALKERS, x.shape[1], density, moves=moves[move], vectorize=True)
     np.random.seed(SEED)
     sampler.random_state = np.random.get_state()
@@ -100,31 +100,27 @@ def of_name(name: str, workloads: Path) -> Case:
     return dataclasses.replace(next(workload_cases(workloads, "w2")), name="W4")
 
 
-def theirs_of(name: str, workloads: Path, move: str) -> Moments:
-    return theirs(of_name(name, workloads), move)
+def sigmas(case: Case) -> Real:
+    """Our standard deviations; where one is not told it is a NaN."""
+    return np.array([case.ours.sigma[name] for name in NAMES], dtype=float)
 
 
-def wrong_sigma_of(name: str, workloads: Path) -> Moments:
+def theirs_of(name: str, workloads: Path, how: str) -> Moments:
+    """emcee on one measurement by a move, or by DE on one of the wrong posteriors."""
     case = of_name(name, workloads)
-    case.ours  # the fit is of the right sigma
-    wrong = dataclasses.replace(case, sigma=case.sigma * WRONG_SIGMA)
-    wrong.__dict__["ours"] = case.ours
-    return theirs(wrong, "DE")
-
-
-def cut_of(name: str, workloads: Path) -> Moments:
-    case = of_name(name, workloads)
-    wrong = dataclasses.replace(case, upper=np.where(np.array(NAMES) == "d_air", case.best[0], case.upper))
-    wrong.__dict__["ours"] = case.ours
-    return theirs(wrong, "DE")
+    best, sigma = case.best, sigmas(case)
+    if how == WRONG_SIGMA:
+        case = dataclasses.replace(case, sigma=case.sigma * TOO_LARGE)
+    if how == CUT:
+        case = dataclasses.replace(case, upper=np.where(np.array(NAMES) == "d_air", best, case.upper))
+    return theirs(case, how if how in STEPS else "DE", best, sigma)
 
 
 def submitted(pool: ProcessPoolExecutor, workloads: Path) -> dict[tuple[str, str], Future[Moments]]:
     names = ["blue_morpho"] + (["W4"] if (workloads / "w2_data.csv").exists() else [])
-    waiting = {(name, move): pool.submit(theirs_of, name, workloads, move) for name in names for move in STEPS}
-    waiting[("blue_morpho", "wrong sigma")] = pool.submit(wrong_sigma_of, "blue_morpho", workloads)
-    waiting[("blue_morpho", "cut")] = pool.submit(cut_of, "blue_morpho", workloads)
-    return waiting
+    asked = [(name, move) for name in names for move in STEPS]
+    asked += [("blue_morpho", wrong) for wrong in (WRONG_SIGMA, CUT)]
+    return {(name, how): pool.submit(theirs_of, name, workloads, how) for name, how in asked}
 
 
 def rows(waiting: dict[tuple[str, str], Future[Moments]], workloads: Path) -> list[Row]:
@@ -144,19 +140,19 @@ def rows(waiting: dict[tuple[str, str], Future[Moments]], workloads: Path) -> li
                 table.append(Row.of(f"{label}, means", size, told, mean, MEAN, " MC errors"))
                 table.append(Row.of(f"{label}, sds", size, told, 100 * spread, 100 * SPREAD, " %"))
             else:
-                what = {"wrong sigma": f"sigma {WRONG_SIGMA:g} times too large", "cut": "prior of d_air cut at our best"}
                 difference = f"{mean:.1f} MC errors, {100 * spread:.0f} %"
                 refused = mean > MEAN or spread > SPREAD
                 limit = f"beyond {MEAN:g} or {100 * SPREAD:g} %"
                 label = f"{case.name}: a wrong posterior is refused"
-                table.append(Row(label, size, f"emcee, {what[move]}", difference, limit, refused))
+                table.append(Row(label, size, f"emcee, {move}", difference, limit, refused))
         them = waiting[name, "DE"].result()
-        sigma = np.array([case.ours.sigma[each] for each in NAMES])
-        off = 100 * float(abs(sigma / them.spread - 1).max())
+        off = 100 * float(abs(sigmas(case) / them.spread - 1).max())
         table.append(Row.of(f"{case.name}: covariance, sds", "fit", "emcee DE", off, 100 * NORMAL, " %"))
         # An open end is a NaN, which passes nothing.
         profiles = {one.name: np.array(one.interval_68, dtype=float) for one in case.ours.profile()}
         half = np.array([np.diff(profiles[each])[0] / 2 for each in NAMES])
         off = 100 * float(abs(half / them.spread - 1).max())
-        table.append(Row.of(f"{case.name}: half widths of 68.3 %", "profile", "sds of emcee DE", off, 100 * NORMAL, " %"))
+        table.append(
+            Row.of(f"{case.name}: half widths of 68.3 %", "profile", "sds of emcee DE", off, 100 * NORMAL, " %")
+        )
     return table
