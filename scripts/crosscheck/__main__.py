@@ -47,9 +47,9 @@ def page(sections: dict[str, list[Row]], failures: str, left_out: list[str], sec
 
 OPTIMISERS = "Optimisers: no rival ends lower"
 FAILURES = (
-    "How often each ends in a higher minimum, of its runs (local searches from "
-    f"{optimisers.STARTS} starts a case, global ones once), at most {optimisers.LOCAL} and {optimisers.GLOBAL} evaluations, "
-    "each polished by least_squares. This program finds the lowest each time, from no start:"
+    "How often each ends in a higher minimum, of its runs: local searches from "
+    f"{optimisers.STARTS} starts a case with at most {optimisers.LOCAL} evaluations, global ones once with at most "
+    f"{optimisers.GLOBAL}, each polished by least_squares. `fit` is given no start; it fails where a rival ends lower."
 )
 
 

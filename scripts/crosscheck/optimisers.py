@@ -156,7 +156,7 @@ def contest(case: Case) -> Contest:
                 lowest, result.below = chi2, x
         result.found.append(found)
 
-    run("least_squares, from ours", LOCALS["scipy least_squares"], [best])
+    run("scipy least_squares, from our minimum", LOCALS["scipy least_squares"], [best])
     for rival, search in LOCALS.items():
         run(rival, search, starts(case))
     middle = (case.lower + case.upper) / 2
@@ -207,7 +207,7 @@ def failures(found: list[Contest]) -> str:
             groups.setdefault(one.rival, {}).setdefault(group_of(each), []).extend(above)
     titles = list(dict.fromkeys(title for group in groups.values() for title in group))
     below = {title: [each.below is not None for each in found if group_of(each) == title] for title in titles}
-    groups = {"fit (a rival ends lower)": below} | groups
+    groups = {"`fit`": below} | groups
     lines = ["| optimiser | " + " | ".join(titles) + " |", "|---|" + "--:|" * len(titles)]
     for rival, group in groups.items():
         cells = [f"{sum(group[t])} of {len(group[t])}" if t in group else "" for t in titles]
