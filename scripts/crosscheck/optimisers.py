@@ -133,6 +133,8 @@ class Contest:
 
     case: str
     ours: float
+    # Whether fit() says that it ended in a minimum.
+    converged: bool
     # Of our own minimum in the rivals' objective: that they minimise the same.
     same: float
     found: list[Found]
@@ -143,7 +145,7 @@ class Contest:
 def contest(case: Case) -> Contest:
     nlopt.srand(SEED)
     ours, best = case.ours.chi2, case.best
-    result = Contest(case.name, ours, abs(float(case.chi2(best)) / ours - 1), [])
+    result = Contest(case.name, ours, case.ours.converged, abs(float(case.chi2(best)) / ours - 1), [])
     lowest = ours * (1 - LOWER)
 
     def run(rival: str, search: Callable[[Case, Real], Real], from_points: list[Real]) -> None:
@@ -212,4 +214,7 @@ def failures(found: list[Contest]) -> str:
     for rival, group in groups.items():
         cells = [f"{sum(group[t])} of {len(group[t])}" if t in group else "" for t in titles]
         lines.append(f"| {rival} | " + " | ".join(cells) + " |")
+    unsure = [each.case for each in found if not each.converged]
+    if unsure:
+        lines += ["", f"`fit` says of its own end that it is no minimum: {', '.join(unsure)}."]
     return "\n".join(lines)
