@@ -1,0 +1,1 @@
+"""This program beside independent code: models, optimisers, samplers, colours, error reports. See scripts/cross_check."""

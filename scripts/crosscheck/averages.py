@@ -1,0 +1,59 @@
+"""The averages over a band, a spread of the period and one of the tilt, against sums over many plane waves in numpy."""
+
+import morpho_fit
+import numpy as np
+
+from . import model
+from .model import Media, Real
+from .table import Row
+
+SEED, POINTS = 9, 300
+# What the averages are documented to hold: they take as many plane waves as the fringes need, and no more.
+LIMIT = 1e-3
+# Nodes of the sum and its half width in standard deviations: 6 leave 2e-9 outside.
+NODES, REACH = 4001, 6.0
+WIDTH_OF_HALF_MAXIMUM = 2 * np.sqrt(2 * np.log(2))
+
+
+def normal() -> tuple[Real, Real]:
+    """Deviations of a normal distribution and their shares."""
+    z = np.linspace(-REACH, REACH, NODES)
+    share = np.exp(-(z**2) / 2)
+    return z, share / share.sum()
+
+
+def largest(kind: str, rng: np.random.Generator) -> float:
+    """Largest difference over random readings along the ridges in the mirror direction, where the lobe is 1."""
+    z, share = normal()
+    off = []
+    for _ in range(POINTS):
+        air, cuticle, wavelength = rng.uniform(50, 250), rng.uniform(30, 150), rng.uniform(400, 750)
+        theta, layers = rng.uniform(-60, 60), int(rng.integers(2, 15))
+        spread = rng.uniform(0.5, {"bandwidth": 20.0, "period_spread": 15.0, "tilt_spread": 8.0}[kind])
+        averages = morpho_fit.Averages(
+            bandwidth=spread if kind == "bandwidth" else 0.0,
+            period_spread=spread if kind == "period_spread" else 0.0,
+            tilt_spread=spread if kind == "tilt_spread" else 0.0,
+        )
+        whole = morpho_fit.Model("blend", stack=morpho_fit.Stack(layers=layers), averages=averages)
+        structure = morpho_fit.Structure(d_air=air, d_cuticle=cuticle, delta=0.0)
+        ours = morpho_fit.reflectivity(structure, wavelength, theta, -theta, 90.0, polarization="s", model=whole)
+        bands, stretch, angles = np.full(NODES, wavelength), np.ones(NODES), np.full(NODES, np.radians(theta))
+        if kind == "bandwidth":
+            bands = wavelength + z * spread / WIDTH_OF_HALF_MAXIMUM
+        elif kind == "period_spread":
+            stretch = 1 + z * spread / (air + cuticle)
+        else:
+            angles = angles + z * np.radians(spread)
+        kept = stretch >= 0  # a layer cannot be thinner than nothing
+        waves = model.stack(Media(layers), air * stretch, cuticle * stretch, bands, angles, "s")
+        off.append(abs(float(ours) - float(waves[kept] @ share[kept] / share[kept].sum())))
+    return float(np.max(off))
+
+
+def rows() -> list[Row]:
+    rng = np.random.default_rng(SEED)
+    return [
+        Row.of(f"averages: {kind}, {POINTS} points", "`Averages`", f"numpy, {NODES} waves", largest(kind, rng), LIMIT)
+        for kind in ("bandwidth", "period_spread", "tilt_spread")
+    ]
