@@ -239,18 +239,21 @@ pub(crate) fn global_fits(workload: &Value, folder: &Path, scaled: bool) -> Resu
     let settings = settings(workload, if scaled { Extent::Shared } else { Extent::None })?;
     let cases = workload["cases"].as_array().ok_or("no cases")?;
     let mut found = Vec::new();
-    let mut seconds = 0.0;
+    let (mut seconds, mut ended) = (0.0, 0);
     for (case, intensities) in cases.iter().zip(&table) {
         let data = dataset(workload, intensities, number(&case["sigma"])?)?;
         let clock = Instant::now();
         let outcome = fit(&data, &settings, &|_| {})?.outcome;
         seconds += clock.elapsed().as_secs_f64();
+        ended += usize::from(outcome.termination.was_successful());
         found.push((values(&outcome), outcome.chi2, number(&case["chi2_truth"])?));
     }
     let successes = found.iter().filter(|(_, chi2, truth)| *chi2 <= 1.05 * truth).count();
     let x: Vec<&Vec<f64>> = found.iter().map(|(x, ..)| x).collect();
     let chi2: Vec<f64> = found.iter().map(|(_, chi2, _)| *chi2).collect();
-    Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "x": x, "chi2": chi2, "successes": successes }))
+    Ok(
+        json!({ "seconds": seconds, "cpu_seconds": seconds, "x": x, "chi2": chi2, "successes": successes, "ended": ended }),
+    )
 }
 
 pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {

@@ -40,6 +40,8 @@ fn w3b_finds_the_global_minimum_in_20_of_20() {
         assert!(chi2 <= truth, "{chi2} for {truth}: {case}");
     }
     assert_eq!(found["successes"], 20);
+    // One of them lies on both edges of its lobe, where no gradient vanishes; it is a minimum nevertheless.
+    assert_eq!(found["ended"], 20);
 }
 
 #[test]

@@ -15,7 +15,7 @@ pub enum Termination {
     GradientConverged,
     /// Every residual is zero to rounding.
     ExactFit,
-    /// The slope does not vanish, but no neighbour is lower: a minimum on a kink of the model.
+    /// The slope does not vanish, but no neighbour is lower by what matters: a minimum on a kink of the model.
     Kink,
     /// The minimum lies on a flat plateau: some parameter or combination does nothing there, so where the solver
     /// stopped along it means nothing.
