@@ -66,8 +66,9 @@ impl<'a> Compiled<'a> {
         Ok(Self::of(data, settings, Plan::of_rows(data, model, settings.parts, rows)?))
     }
 
-    fn of(data: &'a Dataset, settings: &'a FitSettings, plan: Plan<'a>) -> Self {
+    fn of(data: &'a Dataset, settings: &'a FitSettings, mut plan: Plan<'a>) -> Self {
         let linear = LinearPart::new(&settings.nuisances, &plan);
+        plan.arrange(&linear.alike());
         Self { data, settings, plan, linear }
     }
 }

@@ -68,6 +68,12 @@ pub enum FitError {
     /// A posterior that cannot be sampled.
     #[error(transparent)]
     Sampler(#[from] SamplerError),
+    /// The model has no finite value at a point that was asked for.
+    #[error("the `{model}` model has no finite value at this point")]
+    NotFinite {
+        /// Name of the model.
+        model: &'static str,
+    },
     /// The model has a finite value nowhere in the bounds.
     #[error("the `{model}` model has no finite value at any start within the bounds")]
     NowhereFinite {

@@ -153,6 +153,12 @@ impl LinearPart {
         Self { columns, targets, weight }
     }
 
+    /// For each curve the first one that has the same columns.
+    pub(crate) fn alike(&self) -> Vec<usize> {
+        let first = |own: &(Target, Target, Option<usize>)| self.targets.iter().position(|other| other == own);
+        self.targets.iter().enumerate().map(|(curve, own)| first(own).unwrap_or(curve)).collect()
+    }
+
     /// The known part of a reading, and its value in up to three columns.
     #[inline]
     fn split(&self, curve: usize, (a, b): (f64, f64)) -> (f64, [(usize, f64); 3], usize) {

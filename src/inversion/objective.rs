@@ -50,8 +50,9 @@ impl Objective {
     pub fn new(data: &Dataset, settings: &FitSettings) -> Result<Self, FitError> {
         settings.validate()?;
         let model: Arc<dyn ReflectivityModel> = settings.forward()?.into();
-        let plan = Plan::new(data, model.as_ref(), settings.parts)?.keeping(Arc::clone(&model));
+        let mut plan = Plan::new(data, model.as_ref(), settings.parts)?.keeping(Arc::clone(&model));
         let linear = LinearPart::new(&settings.nuisances, &plan);
+        plan.arrange(&linear.alike());
         Ok(Self { linear, plan, space: Space::new(&settings.roles)?, derivative: settings.derivative })
     }
 
@@ -103,7 +104,7 @@ impl Objective {
     }
 
     fn nowhere(&self) -> FitError {
-        FitError::NowhereFinite { model: self.plan.model_name() }
+        FitError::NotFinite { model: self.plan.model_name() }
     }
 
     fn checked(&self, point: &[f64]) -> Result<DVector<f64>, FitError> {

@@ -268,12 +268,16 @@ impl<'a> Plan<'a> {
         }
         plan.stack.iter_mut().for_each(|run| Media::join(&mut run.media));
         plan.directions = plan.lobe.len() + seen.len();
-        plan.rows = Rows::new(&plan.readings);
         // The model itself may refuse the media; learn that now, and not as a fit without a finite value.
-        for media in plan.stack.first().iter().flat_map(|run| &run.media) {
+        for media in plan.stack.iter().flat_map(|run| &run.media) {
             model.stack_reflectivity(media, Period { cuticle: 1.0, gap: 1.0 }, 0.0)?;
         }
         Ok(plan)
+    }
+
+    /// Lays the readings out for arithmetic; `like` as in [`Rows::new`].
+    pub(crate) fn arrange(&mut self, like: &[usize]) {
+        self.rows = Rows::new(&self.readings, like);
     }
 
     /// Puts other intensities, one for each reading, in the place of those of the data.

@@ -12,7 +12,7 @@ use crate::inversion::rows::{self, Block, TermSlopes, Weighted, WeightedParts};
 use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
 use crate::numerics::dot::dot;
-use crate::optimise::{Bounds, LeastSquares, Products, derivative, schur_complement, without_columns};
+use crate::optimise::{Bounds, LeastSquares, Products, derivative, without_columns};
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
 
@@ -208,11 +208,12 @@ impl<'a> Problem<'a> {
             gradient = matrix.tr_mul(&gradient);
             along *= matrix;
         }
-        if let Some(equations) = point.equations.as_ref().filter(|_| !active.is_empty()) {
+        let products = Products::of_sums(gram, gradient);
+        match point.equations.as_ref().filter(|_| !active.is_empty()) {
             // Kaufman's form: the residuals have no part along the nuisances in use, the slopes lose theirs.
-            gram = schur_complement(gram, &equations.gram_of(&active), &along)?;
+            Some(equations) => products.without(equations.gram_of(&active), &along),
+            None => Some(products),
         }
-        Some(Products::of_sums(gram, gradient))
     }
 
     /// The linear columns in use at `point`, weighted, `[m, q]`.
@@ -329,6 +330,8 @@ mod tests {
                 // The products that are summed up block by block are those of the Jacobian.
                 let (residuals, ours) = (problem.residuals(&at), problem.jacobian(&at));
                 let (direct, summed) = (Products::new(&ours, &residuals), problem.products(&at, &residuals));
+                let triangle = |products: &Products| products.triangle(&[0, 1, 2, 3, 4]).unwrap().0;
+                assert_relative_eq!(triangle(&direct), triangle(&summed), max_relative = 1e-7, epsilon = 1e-7);
                 for j in 0..5 {
                     assert_relative_eq!(direct.length(j), summed.length(j), max_relative = 1e-9);
                     let size = direct.length(j) * residuals.norm() + 1e-12;

@@ -98,15 +98,17 @@ pub(crate) struct TermSlopes<'a> {
 }
 
 impl Rows {
-    pub(crate) fn new(readings: &[PlannedReading]) -> Self {
+    /// - `like`: for each curve one whose nuisances are the same; their readings make runs together.
+    pub(crate) fn new(readings: &[PlannedReading], like: &[usize]) -> Self {
+        let curve_of = |reading: &PlannedReading| like.get(reading.curve).copied().unwrap_or(reading.curve);
         let mut runs: Vec<Run> = Vec::new();
         let mut first = 0;
         while first < readings.len() {
-            let length = steady(&readings[first..readings.len().min(first + BLOCK)]);
+            let length = steady(&readings[first..readings.len().min(first + BLOCK)], &curve_of);
             let own = &readings[first..first + length];
             let last = runs.last_mut().filter(|last| {
                 let short = length < SHORT && (last.rows.len() < SHORT || matches!(last.stack, Nodes::Each(_)));
-                short && last.rows.len() + length <= BLOCK && is_like(&readings[last.rows.start], &own[0])
+                short && last.rows.len() + length <= BLOCK && is_like(&readings[last.rows.start], &own[0], &curve_of)
             });
             match last {
                 Some(last) => {
@@ -117,7 +119,7 @@ impl Rows {
                 }
                 None => runs.push(Run {
                     rows: first..first + length,
-                    curve: own[0].curve,
+                    curve: curve_of(&own[0]),
                     share_a: own[0].share_a,
                     share_b: own[0].share_b,
                     lamella: nodes(own, |reading| reading.lamella),
@@ -127,9 +129,9 @@ impl Rows {
             }
             first += length;
         }
-        let spans = readings.chunk_by(|a, b| a.curve == b.curve).scan(0, |next, span| {
+        let spans = readings.chunk_by(|a, b| curve_of(a) == curve_of(b)).scan(0, |next, span| {
             let first = std::mem::replace(next, *next + span.len());
-            Some((span[0].curve, first..*next))
+            Some((curve_of(&span[0]), first..*next))
         });
         let mut blocks: Vec<Block> = Vec::new();
         for (index, Run { rows, curve, .. }) in runs.iter().enumerate() {
@@ -244,7 +246,7 @@ impl Rows {
 }
 
 /// How many of the first readings make one run: of one curve and plane, each node standing still or going on by one.
-fn steady(readings: &[PlannedReading]) -> usize {
+fn steady(readings: &[PlannedReading], curve_of: &impl Fn(&PlannedReading) -> usize) -> usize {
     let Some(first) = readings.first() else { return 0 };
     let of = |reading: &PlannedReading| [reading.lamella, reading.stack, reading.lobe];
     let start = of(first);
@@ -255,7 +257,7 @@ fn steady(readings: &[PlannedReading]) -> usize {
             let node = of(reading)[i];
             (same && node == start[i], from && node == start[i] + place)
         });
-        if !is_like(first, reading) || next.iter().any(|(same, from)| !(same | from)) {
+        if !is_like(first, reading, curve_of) || next.iter().any(|(same, from)| !(same | from)) {
             return place;
         }
         can_be = next;
@@ -264,9 +266,9 @@ fn steady(readings: &[PlannedReading]) -> usize {
 }
 
 /// Whether two readings are of one curve and plane.
-fn is_like(one: &PlannedReading, other: &PlannedReading) -> bool {
+fn is_like(one: &PlannedReading, other: &PlannedReading, curve_of: &impl Fn(&PlannedReading) -> usize) -> bool {
     let shares = |reading: &PlannedReading| [reading.share_a, reading.share_b].map(f64::to_bits);
-    one.curve == other.curve && shares(one) == shares(other)
+    curve_of(one) == curve_of(other) && shares(one) == shares(other)
 }
 
 /// The nodes of a steady run.
@@ -374,7 +376,7 @@ mod tests {
     #[test]
     fn runs_hold_every_reading_once_in_order() {
         let all = readings();
-        let rows = Rows::new(&all);
+        let rows = Rows::new(&all, &[0, 1, 2]);
         let mut next = 0;
         for run in &rows.runs {
             assert_eq!(run.rows.start, next);
@@ -383,8 +385,12 @@ mod tests {
         assert_eq!(next, all.len());
         let blocks: Vec<Range<usize>> = rows.blocks().iter().map(|block| block.rows.clone()).collect();
         assert_eq!(blocks, [0..60, 60..71, 71..102, 102..103]);
+        // Curves with the same nuisances that take turns stand together.
+        let turns: Vec<PlannedReading> = (0..40).map(|i| reading([i, 0, 0], i % 2, (0.5, 0.5))).collect();
+        assert_eq!(Rows::new(&turns, &[0, 0]).spans(), [(0, 0..40)]);
+        assert_eq!(Rows::new(&turns, &[0, 1]).spans().len(), 40);
         // A long run is cut.
-        let long = Rows::new(&vec![all[0]; 1100]);
+        let long = Rows::new(&vec![all[0]; 1100], &[0]);
         let lengths: Vec<usize> = long.blocks().iter().map(|block| block.rows.len()).collect();
         assert_eq!(lengths, [512, 512, 76]);
         // Three rows of the grid, the spectrum, the shuffled curve in one, and two single readings.
@@ -397,7 +403,7 @@ mod tests {
     #[test]
     fn parts_and_slopes_are_those_of_each_reading() {
         let all = readings();
-        let rows = Rows::new(&all);
+        let rows = Rows::new(&all, &[0, 1, 2]);
         let robust: Vec<f64> = wave(all.len(), 2.0).iter().map(|x| 0.5 + x * x).collect();
         let weighted = rows.weighted(&robust);
         let (p, d, r, l) = (wave(60, 0.1), wave(60, 0.2), wave(11, 0.3), wave(20, 0.4));

@@ -111,7 +111,7 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// media whose indices are those of `media`: one for all wavenumbers, or one for each.
     ///
     /// # Shape
-    /// One value for each wavenumber; rows beyond the shorter of the two are left.
+    /// One value for each wavenumber; `out` is as long as they are, and there is at least one of the media.
     ///
     /// # Errors
     /// As [`stack_reflectivity`](Self::stack_reflectivity).

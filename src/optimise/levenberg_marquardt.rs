@@ -171,7 +171,9 @@ where
         if !self.scaling.iter().all(|scale| scale.is_finite()) {
             return Ok((self.end(back(state, parameters, residuals, cost), Termination::Stalled), None));
         }
-        let movable = self.movable(&parameters, gradient);
+        // A parameter that does nothing stays where it is.
+        let mut movable = self.movable(&parameters, gradient);
+        movable.retain(|&j| products.length(j) > 0.0);
         let cosine = largest_cosine(&products, gradient, norm, &movable);
         let ended = if norm <= 0.0 {
             Some(Termination::ExactFit)

@@ -28,7 +28,8 @@ pub struct Minimum {
     pub residuals: DVector<f64>,
     /// `J' r` there, of the residuals and their derivatives J.
     pub gradient: DVector<f64>,
-    /// The factor R of J, `[n, n]`: the same singular values and directions, in a small matrix.
+    /// The factor R of J, `[n, n]`: the same singular values and directions, in a small matrix. J itself where it has fewer
+    /// rows than columns, or is not finite.
     pub triangle: DMatrix<f64>,
     /// Why the run ended.
     pub termination: Termination,

@@ -26,5 +26,5 @@ pub use minimise::{Minimum, minimise};
 pub use multistart::{merge_equal, merge_near, multistart};
 pub use objective::{ArgminProblem, LeastSquares, Linearise};
 pub use products::Products;
-pub(crate) use products::{schur_complement, without_columns};
+pub(crate) use products::without_columns;
 pub use termination::Termination;

@@ -17,11 +17,51 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Column<'py> {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        // A Python number, or one of numpy: cheaper than by way of an array.
-        if let Ok(one) = given.extract::<f64>() {
+        require_real(&given)?;
+        // A Python number, or one of numpy: cheaper than by way of an array. Arrays of one element stay arrays.
+        if !given.hasattr("__len__")?
+            && let Ok(one) = given.extract::<f64>()
+        {
             return Ok(Self::One(one));
         }
         Ok(Self::Array(given.extract()?))
+    }
+}
+
+/// Real numbers of any dimensions.
+pub(crate) struct RealArray<'py>(pub(crate) PyArrayLikeDyn<'py, f64, AllowTypeChange>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for RealArray<'py> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        require_real(&given)?;
+        Ok(Self(given.extract()?))
+    }
+}
+
+/// One number that is no complex one.
+pub(crate) struct Real(pub(crate) f64);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Real {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        require_real(&given)?;
+        Ok(Self(given.extract()?))
+    }
+}
+
+/// Refuses what numpy would make numbers of by leaving out a part: complex numbers, dates and spans of time.
+///
+/// # Errors
+/// `ValueError` that names the kind.
+pub(crate) fn require_real(given: &Bound<'_, PyAny>) -> PyResult<()> {
+    let Ok(kind) = given.getattr("dtype").and_then(|dtype| dtype.getattr("kind")) else { return Ok(()) };
+    match kind.extract::<String>().as_deref() {
+        Ok("c") => Err(refused("complex numbers are given where real ones are needed".to_owned())),
+        Ok("m" | "M") => Err(refused("dates or times are given where numbers are needed".to_owned())),
+        _ => Ok(()),
     }
 }
 

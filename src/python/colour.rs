@@ -1,6 +1,6 @@
 //! Colours: of spectra, and of structures over a parameter or over angles.
 
-use super::arrays::{Column, together};
+use super::arrays::{Column, RealArray, together};
 use super::errors::{of_optics, refused};
 use super::model::ModelArgument;
 use super::structure::Structure;
@@ -14,7 +14,7 @@ use crate::spectrum::Wavelengths;
 use crate::sweep::{SweepError, View, Viewing, colours};
 use crate::units::radians;
 use numpy::ndarray::{Array1, Array2};
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLikeDyn};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 /// Relative distance from a regular grid that counts as none.
@@ -141,10 +141,11 @@ impl Colours {
 pub(crate) fn colour<'py>(
     py: Python<'py>,
     wavelength: Column<'py>,
-    reflectance: PyArrayLikeDyn<'py, f64, AllowTypeChange>,
+    reflectance: RealArray<'py>,
     observer: &str,
     illuminant: Option<Light<'py>>,
 ) -> PyResult<Colours> {
+    let RealArray(reflectance) = reflectance;
     let ([wavelength], points) = together([("wavelength", &wavelength)])?;
     let points = points.filter(|points| *points >= 2).ok_or_else(|| refused("wavelength needs two values or more"))?;
     #[allow(clippy::cast_precision_loss, reason = "a spectrum has fewer points than 2^53")]

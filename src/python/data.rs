@@ -1,5 +1,6 @@
 //! Measured data: the path of a CSV file, or a table of columns such as a dict or a frame of pandas or polars.
 
+use super::arrays::require_real;
 use super::errors::{Defect, of_defects, of_findings, refused};
 use super::words;
 use crate::dataset::{
@@ -96,6 +97,10 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
     });
     let notes = check_headings(headings.collect(), &said.options).map_err(|found| of_headings(py, &found))?;
     let column = |name: &str| {
+        // A column that is the intensity is nothing else.
+        if name != "intensity" && name == intensity {
+            return Ok(None);
+        }
         let name = if name == "intensity" { intensity } else { name };
         names.iter().any(|known| known == name).then(|| table.get_item(name)).transpose()
     };
@@ -174,6 +179,7 @@ fn polarization_of(word: &str) -> Option<Polarization> {
 
 /// A column as numbers; the first cell that is none is named.
 fn numbers(py: Python<'_>, name: &str, column: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    require_real(column).map_err(|error| Defect::of_column(name, error.value(py).to_string()).raise(py))?;
     let array: PyResult<PyArrayLikeDyn<'_, f64, AllowTypeChange>> = column.extract();
     let Ok(array) = array else {
         for (row, cell) in column.try_iter()?.enumerate() {

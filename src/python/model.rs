@@ -1,6 +1,6 @@
 //! `Model`, with its `Stack`, indices and `Averages`: what the command line's flags of the model say.
 
-use super::arrays::Column;
+use super::arrays::{Column, Real};
 use super::errors::{of_optics, refused};
 use super::words;
 use crate::inversion::ModelChoice;
@@ -62,8 +62,9 @@ impl IndexTable {
 pub(crate) enum Index<'py> {
     Cauchy(Cauchy),
     Table(IndexTable),
-    Real(f64),
+    // Before the real one: a complex number of numpy is a number too, without its absorption.
     Complex(Bound<'py, PyComplex>),
+    Real(Real),
 }
 
 impl Index<'_> {
@@ -71,7 +72,7 @@ impl Index<'_> {
         Ok(match self {
             Self::Cauchy(Cauchy { a, b }) => Material::Cauchy { a, b },
             Self::Table(IndexTable { table }) => Material::Table(table),
-            Self::Real(n) => constant(n, 0.0, what)?,
+            Self::Real(Real(n)) => constant(n, 0.0, what)?,
             Self::Complex(index) => constant(index.real(), index.imag(), what)?,
         })
     }

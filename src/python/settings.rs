@@ -126,8 +126,10 @@ fn roles(settings: &mut FitSettings, keywords: &mut Keywords<'_>) -> PyResult<()
         let parameter = parameter("fix", &name)?;
         given.push(("fix", parameter, Role::Fixed { value: parameter.inside(finite("fix", value)?) }));
     }
-    for (name, (lower, upper)) in keywords.take::<Named<(f64, f64)>>("bounds")?.unwrap_or_default() {
+    for (name, ends) in keywords.take::<Named<Vec<f64>>>("bounds")?.unwrap_or_default() {
         let parameter = parameter("bounds", &name)?;
+        let ends = <[f64; 2]>::try_from(ends);
+        let [lower, upper] = ends.map_err(|_| refused(format!("bounds of {name}: give two numbers, (low, high)")))?;
         let (lower, upper) = (finite("bounds", lower)?, finite("bounds", upper)?);
         given.push((
             "bounds",

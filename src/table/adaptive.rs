@@ -119,8 +119,11 @@ pub fn choose(source: &Source<'_>, reference: &Source<'_>, needs: &Needs) -> Res
     let mut nodes = start(source, needs)?;
     let axes: &[usize] = if nodes.turn() == Turn::Share { &[0, 1] } else { &[0, 1, 2] };
     let mut share = 1.0;
-    let mut last = (0, f64::INFINITY);
+    let mut last = None;
     for _ in 0..ROUNDS {
+        if nodes.count() > most {
+            break;
+        }
         // First each axis by itself, which costs little, then everything: differences along the axes add up, but seldom.
         let mut split: [Vec<bool>; 3] = Default::default();
         for &axis in axes {
@@ -132,18 +135,16 @@ pub fn choose(source: &Source<'_>, reference: &Source<'_>, needs: &Needs) -> Res
             if judged.worst <= goal {
                 return Ok((table, judged));
             }
-            last = (nodes.count(), judged.worst);
+            last = Some((nodes.count(), judged.worst));
             split = around(&nodes, &misses);
             share *= SHRINK;
         }
         nodes = halved(&nodes, &split)?;
-        if nodes.count() > most {
-            break;
-        }
     }
-    let (found, worst) = last;
-    let (found, worst) = if found == 0 { (nodes.count(), f64::INFINITY) } else { (found, worst) };
-    Err(TableError::TooLarge { nodes: found, worst, tolerance, most })
+    Err(match last {
+        Some((nodes, worst)) => TableError::TooLarge { nodes, worst, tolerance, most },
+        None => TableError::TooMany { nodes: nodes.count(), tolerance, most },
+    })
 }
 
 /// What `table` is off by from `reference` within a range, both in X/Xn, Y/Yn, Z/Zn.
@@ -158,6 +159,12 @@ pub fn judge(table: &Table, reference: &Source<'_>, needs: &Needs) -> Result<Jud
 fn start(source: &Source<'_>, needs: &Needs) -> Result<Nodes, TableError> {
     let Range { theta, phi, omega } = needs.range;
     let turn = source.turn();
+    if source.edges().iter().any(|edge| theta[0] < *edge && *edge < theta[1]) {
+        return Err(TableError::Axis {
+            axis: "theta",
+            problem: "crosses 90° from the tilted layers, where they fall into their own shadow and the colour jumps: narrow it",
+        });
+    }
     // θ + φ may be within its bounds where φ is not.
     Nodes::new(vec![theta[0]], vec![phi[0]], vec![omega[0]], Across::View, turn)?;
     Nodes::new(vec![theta[1]], vec![phi[1]], vec![omega[1]], Across::View, turn)?;

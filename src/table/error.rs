@@ -37,6 +37,16 @@ pub enum TableError {
         /// What was given.
         found: f64,
     },
+    /// More nodes than are allowed, before a table could be judged.
+    #[error("more than {nodes} nodes would be needed for ΔE₀₀ {tolerance}, and {most} are allowed")]
+    TooMany {
+        /// Nodes so far.
+        nodes: usize,
+        /// What was asked for.
+        tolerance: f64,
+        /// Nodes that are allowed.
+        most: usize,
+    },
     /// The tolerance asks for more nodes than are allowed.
     #[error(
         "with {nodes} nodes a colour is still off by ΔE₀₀ {worst:.2}, {tolerance} is asked for, and {most} nodes are allowed"

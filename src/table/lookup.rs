@@ -3,6 +3,7 @@
 use super::error::TableError;
 use super::nodes::Nodes;
 use super::source::Source;
+use std::f64::consts::FRAC_PI_2;
 
 /// Intervals of even width for each interval of an axis: more of them save steps to the right one.
 const BUCKETS: usize = 2;
@@ -136,7 +137,7 @@ impl Table {
         (self.channels == 3 && self.look_up(theta, phi, omega, &mut colour)).then_some(colour)
     }
 
-    /// The values of a direction (rad) into `out`; false outside the table, or if `out` is not as long as a node has values.
+    /// The values of a direction (rad) into `out`; false outside the table, for a view below the horizon, or if `out` is not as long as a node has values.
     #[inline]
     pub fn look_up(&self, theta: f64, phi: f64, omega: f64, out: &mut [f64]) -> bool {
         let at = [theta, self.nodes.kind().of(theta, phi), self.nodes.turn().of(omega)];
@@ -145,7 +146,7 @@ impl Table {
         else {
             return false;
         };
-        if out.len() != self.channels {
+        if out.len() != self.channels || phi.abs() > FRAC_PI_2 * (1.0 + 1e-12) {
             return false;
         }
         let [_, columns, planes] = self.axes.each_ref().map(|axis| axis.at.len());

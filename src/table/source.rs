@@ -88,6 +88,12 @@ impl<'a> Source<'a> {
         if self.model.join() == Join::Planes { Turn::Share } else { Turn::Angle }
     }
 
+    /// Incidences beyond which tilted layers are seen from behind, rad: there the colour jumps.
+    pub(super) fn edges(&self) -> Vec<f64> {
+        let delta = self.structure.delta;
+        if self.turn() == Turn::Share { vec![delta - FRAC_PI_2, delta + FRAC_PI_2] } else { Vec::new() }
+    }
+
     /// Angles from the mirror direction where the model has a bend, rad: the edges of the lobe.
     pub(super) fn bends(&self) -> Vec<f64> {
         let Structure { delta, phi_alpha, .. } = self.structure;

@@ -103,6 +103,30 @@ def test_inputs_are_left_as_they_were() -> None:
     np.testing.assert_array_equal(wavelength, WAVELENGTHS)
 
 
+def test_an_array_of_one_element_stays_an_array() -> None:
+    assert morpho_fit.reflectivity(Structure(), np.array([480.0]), 0, 0, 90).shape == (1,)
+
+
+@pytest.mark.filterwarnings("default")
+def test_complex_numbers_are_taken_whole_or_refused() -> None:
+    index = 1.56 + 0.06j
+    s, _ = morpho_fit.multilayer_reflectivity(Structure(), WAVELENGTHS, 0.0, stack=Stack(n_cuticle=index))
+    numpy_s, _ = morpho_fit.multilayer_reflectivity(
+        Structure(), WAVELENGTHS, 0.0, stack=Stack(n_cuticle=np.complex128(index))
+    )
+    np.testing.assert_array_equal(s, numpy_s)
+    for refused in (np.complex64(index), np.datetime64("2020-01-01")):
+        with pytest.raises((ValueError, TypeError)):
+            Stack(n_cuticle=refused)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="complex"):
+        IndexTable(WAVELENGTHS, WAVELENGTHS * index)
+    with pytest.raises(ValueError, match="complex"):
+        morpho_fit.reflectivity(Structure(), WAVELENGTHS * index, 0, 0, 90)
+    data = {"wavelength_nm": WAVELENGTHS, "theta_deg": 0 * WAVELENGTHS, "phi_deg": 0 * WAVELENGTHS}
+    with pytest.raises(morpho_fit.DataError, match="complex"):
+        morpho_fit.fit({**data, "omega_deg": 90 + 0 * WAVELENGTHS, "intensity": WAVELENGTHS * 1j})
+
+
 def test_a_structure_keeps_its_numbers() -> None:
     values = {"d_air": 120.1, "d_cuticle": 70.2, "delta": 1.3, "phi_alpha": 0.4, "lamella_width": 250.5}
     structure = Structure(**values)

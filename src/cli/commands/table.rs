@@ -56,6 +56,9 @@ pub(crate) fn run(args: &TableArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// Values of a table at most: 1 GB in the file.
+const MOST_VALUES: usize = 250_000_000;
+
 type Files = Vec<(String, Vec<u8>)>;
 
 /// Lines for the reader, the files, and names of files that another format would have left.
@@ -70,7 +73,7 @@ fn tabled(args: &TableArgs, subject: &Subject) -> Result<(Vec<String>, Files, Ve
     let chosen = match args.viewing.wavelengths {
         GridChoice::Of(grid) => {
             let source = eye.relative(&grid)?;
-            let (relative, judged) = choose(&source, &source, &needs).with_context(smaller)?;
+            let (relative, judged) = choose(&source, &source, &needs).map_err(smaller)?;
             Chosen { relative, judged, grid, reference: grid }
         }
         GridChoice::Auto => {
@@ -83,7 +86,14 @@ fn tabled(args: &TableArgs, subject: &Subject) -> Result<(Vec<String>, Files, Ve
     let display = RgbTransform::adapted(RgbSpace::Srgb, integration.white())?;
     let quantity =
         if choice.spectra { Quantity::Spectrum } else { Quantity::Colour(integration.linear_weights(&display)?) };
-    let table = Table::new(&eye.source(grid, quantity)?, relative.nodes().clone())?;
+    let source = eye.source(grid, quantity)?;
+    let values = relative.nodes().count().saturating_mul(source.channels());
+    if values > MOST_VALUES {
+        let message =
+            format!("{values} values are too many for one file: narrow --theta and --phi, or raise --tolerance");
+        return Err(Usage(message).into());
+    }
+    let table = Table::new(&source, relative.nodes().clone())?;
     let (file, other) = match choice.format {
         TableFormat::Npy => ("table.npy", "table.csv"),
         TableFormat::Csv => ("table.csv", "table.npy"),
@@ -122,8 +132,11 @@ fn tabled(args: &TableArgs, subject: &Subject) -> Result<(Vec<String>, Files, Ve
     Ok((told(subject, &viewing, &sheet), files, stale))
 }
 
-fn smaller() -> String {
-    "no table: raise --tolerance or --max-nodes, or narrow --theta and --phi".to_owned()
+/// With what helps where a table would be too large.
+fn smaller(error: TableError) -> anyhow::Error {
+    let large = matches!(error, TableError::TooLarge { .. } | TableError::TooMany { .. });
+    let error = anyhow::Error::new(error);
+    if large { error.context("no table: raise --tolerance or --max-nodes, or narrow --theta and --phi") } else { error }
 }
 
 /// The nodes with their colours, and the wavelengths.
@@ -166,7 +179,7 @@ impl<'a> Eye<'a> {
             let grid = sampling.wavelengths;
             let of_nodes = Needs { tolerance: OF_NODES * needs.tolerance, ..*needs };
             let source = self.relative(&grid)?;
-            let (relative, _) = choose(&source, &source, &of_nodes).with_context(smaller)?;
+            let (relative, _) = choose(&source, &source, &of_nodes).map_err(smaller)?;
             let judged = judge(&relative, &finest, needs)?;
             if judged.worst <= needs.tolerance {
                 return Ok(Chosen { relative, judged, grid, reference });
@@ -179,7 +192,7 @@ impl<'a> Eye<'a> {
             });
             largest *= 0.3;
         }
-        Err(last.map_or_else(|| Usage("no wavelengths".to_owned()).into(), anyhow::Error::from)).with_context(smaller)
+        Err(last.map_or_else(|| Usage("no wavelengths".to_owned()).into(), smaller))
     }
 
     /// Spectra of random directions, and of the ends of the range.

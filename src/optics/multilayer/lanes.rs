@@ -12,7 +12,7 @@
 //! common sign: half a turn more turns the sign of the whole period, which no reflectivity sees.
 //!
 //! Where the machine has fused multiply-add it is used: the bits are the same on one machine, but not with every set of
-//! vector instructions; 1e-11 apart at most.
+//! vector instructions; 1e-11 apart for some hundred layers, and as their square beyond.
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
 mod row;

@@ -193,6 +193,9 @@ pub(crate) fn reflectivities_unchecked(
     angle: f64,
     out: &mut [SAndP],
 ) {
+    if media.is_empty() {
+        return;
+    }
     if let Some(incidences) = traveling(media, angle) {
         lanes::values(media, &incidences, period, layers, Rules::Each, wavenumbers, out);
         return;
@@ -219,7 +222,7 @@ pub(crate) fn slopes_unchecked(
     angle: f64,
     slopes: &mut [StackSlopes],
 ) -> bool {
-    let incidences = traveling(media, angle);
+    let incidences = if media.is_empty() { None } else { traveling(media, angle) };
     if let Some(incidences) = &incidences {
         lanes::slopes(media, incidences, period, layers, Rules::Each, wavenumbers, slopes);
     }
