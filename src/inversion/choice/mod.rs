@@ -104,9 +104,8 @@ struct Tried {
 /// variant that fits best. A variant loses if it is behind in two of the three, or has no minimum. If each loses, the best by
 /// held-out readings is kept.
 ///
-/// Models and averages are not nested in each other. The smallest is that of fewest unknowns; of equally many, which averages
-/// leave as they are, the first in the table: plane waves before averages, then the settings' own model before those beside
-/// it.
+/// Models and averages are not nested in each other. The smallest is that of fewest unknowns, of which averages have none; of
+/// equally many, the first in the table: plane waves before averages, then the settings' own model before those beside it.
 ///
 /// - `progress` is told which variant is being fitted.
 ///
@@ -115,7 +114,7 @@ struct Tried {
 /// Schwarz 1978, DOI 10.1214/aos/1176344136 (BIC); Hastie, Tibshirani and Friedman 2009, section 7.10 (one standard error).
 ///
 /// # Errors
-/// [`FitError`] if no variant can be fitted: that of the largest.
+/// [`FitError`] if no variant can be fitted: that of the last in the table.
 ///
 /// ```
 /// use morpho_fit::inversion::{FitSettings, ModelChoice, Parts, choose};
@@ -152,9 +151,10 @@ pub fn choose(
             Err(error) => return Err(error),
         }
     }
-    let best = tried.iter().filter(|one| one.fit.outcome.termination.was_successful()).chain(&tried);
-    let best = best.min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map(|best| overdispersion(&best.fit));
-    let Some(overdispersion) = best else {
+    let has_minimum = |one: &&Tried| one.fit.outcome.termination.was_successful();
+    let lowest = |a: &&Tried, b: &&Tried| a.deviance.total_cmp(&b.deviance);
+    let best = tried.iter().filter(has_minimum).min_by(lowest).or_else(|| tried.iter().min_by(lowest));
+    let Some(overdispersion) = best.map(|best| overdispersion(&best.fit)) else {
         return Err(refused.unwrap_or(FitError::NowhereFinite { model: "chosen" }));
     };
     progress("predicting readings left out");
