@@ -118,7 +118,7 @@ fn main() -> Result<()> {
         for truth in Truth::all() {
             let one = |(case, drawn): (usize, &Structure)| -> Result<(Truth, Vec<VariantFound>)> {
                 let data = measured(truth, drawn, noise, case as u64)?;
-                let choice = choose(&data, &FitSettings::default(), &|_| {})?;
+                let choice = choose(&data, &FitSettings::default(), &[], &|_| {})?;
                 let table = choice.fit.outcome.choice.ok_or("no table")?;
                 let kept = table.variants.iter().find(|row| row.standing == morpho_fit::inversion::Standing::Kept);
                 let kept = Truth::of(&kept.ok_or("nothing kept")?.name);

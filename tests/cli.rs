@@ -377,7 +377,8 @@ fn model_auto_prints_its_table_and_leaves_a_fit_that_can_be_made_again() {
     }
     let mut found = outcome(&folder, "chosen");
     let table = found.choice.take().unwrap();
-    assert_eq!(table.variants.len(), 10);
+    // Ten of the blend, four of the hybrid.
+    assert_eq!(table.variants.len(), 14);
     assert!(ended.out.replace("\n  ", " ").contains(&table.rule), "{}", ended.out);
     // The kept variant is the plain model here, whose own fit has no table.
     succeeds(&folder, "blue.csv --out plain --no-plots");
@@ -385,7 +386,7 @@ fn model_auto_prints_its_table_and_leaves_a_fit_that_can_be_made_again() {
 
     write(&folder, "auto.toml", "model = \"auto\"\nfix = [\"delta=2.5\"]\n");
     succeeds(&folder, "blue.csv --settings auto.toml --out file --no-plots --quiet");
-    assert_eq!(outcome(&folder, "file").choice.unwrap().variants.len(), 6);
+    assert_eq!(outcome(&folder, "file").choice.unwrap().variants.len(), 6 + 2);
     for arguments in ["check blue.csv --model auto", "check blue.csv --settings auto.toml", "simulate --model auto"] {
         let ended = run(&folder, arguments);
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.out);

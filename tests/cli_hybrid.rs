@@ -64,3 +64,34 @@ fn choices_that_do_not_fit_the_hybrid_model_are_refused() {
         assert!(ended.err.contains(says), "{arguments}: {}", ended.err);
     }
 }
+
+#[test]
+fn model_auto_holds_the_hybrid_beside_the_blend() {
+    let folder = TempDir::new().unwrap();
+    let model = "--ridge-spacing 700";
+    succeeds(&folder, &format!("simulate --model hybrid {model} --seed 4 --out made.csv"));
+    let auto = succeeds(&folder, &format!("made.csv --model auto {model}"));
+    assert!(auto.out.contains("hybrid + tilt + background") && auto.out.contains("multilayer"), "{}", auto.out);
+    let page = fs::read_to_string(folder.path().join("fits/made/report.html")).unwrap();
+    assert!(page.contains("hybrid + tilt"));
+    // The kept variant is the hybrid itself, whose own fit has no table.
+    let mut found = outcome(&folder, "fits/made");
+    assert_eq!(found.choice.take().unwrap().variants.len(), 14);
+    succeeds(&folder, &format!("made.csv --model hybrid {model} --out plain --no-plots --quiet"));
+    assert_eq!(found, outcome(&folder, "plain"));
+
+    // One that cannot hold what is asked for is left out, unless it is asked for too.
+    succeeds(&folder, "made.csv --model auto --weight 0.5 --out weighted --no-plots --quiet");
+    let names: Vec<String> =
+        outcome(&folder, "weighted").choice.unwrap().variants.into_iter().map(|row| row.name).collect();
+    assert_eq!(names, ["blend", "blend + background", "blend + tilt", "blend + tilt + background"]);
+    for (arguments, says) in [
+        ("--ridge-spacing 700 --weight 0.5", "one product"),
+        ("--ridge-spacing 300 --fix lamella_width=400", "ridges are 300 nm apart"),
+        ("--ridge-spacing 0", "ridge spacing is 0 nm"),
+    ] {
+        let ended = run(&folder, &format!("made.csv --model auto {arguments}"));
+        assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);
+        assert!(ended.err.contains(says), "{arguments}: {}", ended.err);
+    }
+}

@@ -1,10 +1,10 @@
-//! The choice among nested variants, on data whose maker is known.
+//! The choice among variants, on data whose maker is known.
 
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::inversion::{
-    Extent, Fit, FitSettings, Nuisances, Parameter, Parts, Role, Standing, Weight, choose, fit,
+    Extent, Fit, FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Parts, Role, Standing, Weight, choose, fit,
 };
-use morpho_fit::optics::{BlendModel, Structure};
+use morpho_fit::optics::{AveragedModel, Averages, BlendModel, HybridModel, ReflectivityModel, Structure};
 use morpho_fit::synthetic::{Scan, linspace, simulate};
 use morpho_fit::units::radians;
 
@@ -35,7 +35,11 @@ fn full(structure: &Structure) -> Vec<Scan> {
 }
 
 fn kept(data: &Dataset, settings: &FitSettings) -> (String, Fit) {
-    let fit = choose(data, settings, &|_| {}).unwrap().fit;
+    kept_of(data, settings, &[])
+}
+
+fn kept_of(data: &Dataset, settings: &FitSettings, beside: &[ModelChoice]) -> (String, Fit) {
+    let fit = choose(data, settings, beside, &|_| {}).unwrap().fit;
     let table = fit.outcome.choice.as_ref().unwrap();
     let kept: Vec<&str> =
         table.variants.iter().filter(|row| row.standing == Standing::Kept).map(|row| row.name.as_str()).collect();
@@ -173,4 +177,46 @@ fn settings_of_earlier_files_see_both_parts() {
     assert_eq!(json.as_object_mut().unwrap().remove("parts"), Some("both".into()));
     let read: FitSettings = serde_json::from_value(json).unwrap();
     assert_eq!(read, FitSettings::default());
+}
+
+/// The model that made the data is told from the other by the rule, which knows no order of the two.
+#[test]
+fn of_two_models_the_one_that_made_the_data_is_kept() {
+    let blue = Structure::blue();
+    let (blend, hybrid) = (BlendModel::default(), HybridModel::default());
+    let beside = [ModelChoice::Hybrid { ridge_spacing: hybrid.ridge_spacing }];
+    for (made, name) in [(&blend as &dyn ReflectivityModel, "blend + tilt"), (&hybrid, "hybrid + tilt")] {
+        let data = simulate(made, &blue, &Scan::full_design(made, &blue).unwrap(), 1.0, NOISE, 11).unwrap();
+        let (kept, found) = kept_of(&data, &FitSettings::default(), &beside);
+        assert_eq!((kept.as_str(), rows(&found).len()), (name, 14));
+        let FitOutcome { settings, parameters, .. } = &found.outcome;
+        assert_eq!(settings.forward().unwrap().name(), made.name());
+        let d_air = &parameters.d_air;
+        assert!((d_air.value.unwrap() - blue.d_air).abs() < 4.0 * d_air.sigma.unwrap(), "{name}: {d_air:?}");
+    }
+}
+
+/// A spectrum over a wide cone, and one in a plane wave, both fitted with the cone on trial.
+#[test]
+fn averages_are_kept_where_the_data_are_averaged() {
+    let blue = upright();
+    let averages = Averages { numerical_aperture: 0.6, ..Averages::default() };
+    let cone = AveragedModel::new(Box::new(BlendModel::default()), averages).unwrap();
+    let plane = BlendModel::default();
+    let scans = [Scan { wavelengths: linspace(380.0, 740.0, 37), ..Scan::spectrum(90.0) }];
+    let settings = FitSettings { averages, ..FitSettings::default() }
+        .with_role(Parameter::Delta, Role::Fixed { value: 0.0 })
+        .with_role(Parameter::PhiAlpha, Role::Fixed { value: blue.phi_alpha });
+    let names =
+        ["multilayer", "multilayer + background", "multilayer + averages", "multilayer + background + averages"];
+    for (made, expected, averages) in
+        [(&cone as &dyn ReflectivityModel, names[2], averages), (&plane, names[0], Averages::default())]
+    {
+        let data = simulate(made, &blue, &scans, 1.0, 0.005, 6).unwrap();
+        let (name, found) = kept(&data, &settings);
+        assert_eq!((name.as_str(), rows(&found)), (expected, names.to_vec()));
+        assert_eq!(found.outcome.settings.averages, averages);
+        let d_air = &found.outcome.parameters.d_air;
+        assert!((d_air.value.unwrap() - blue.d_air).abs() < 4.0 * d_air.sigma.unwrap(), "{name}: {d_air:?}");
+    }
 }

@@ -22,6 +22,8 @@ pub(crate) struct Problem {
     pub(crate) file: String,
     pub(crate) data: Dataset,
     pub(crate) settings: FitSettings,
+    /// Models to compare with that of the settings; `None` if none is to be chosen.
+    pub(crate) beside: Option<Vec<ModelChoice>>,
     /// Hash of the file where the data are not read from its very bytes.
     pub(crate) sha256: Option<String>,
 }
@@ -36,6 +38,7 @@ impl Problem {
     /// The same for a command that can choose among the variants of a model.
     pub(crate) fn read_for_any(args: &ProblemArgs) -> Result<Self> {
         let settings = settings(args)?;
+        let beside = beside(&args.model, &settings)?;
         threads(&args.nuisances)?;
         let path = args.data.as_deref().ok_or_else(|| Usage("give a CSV file".to_owned()))?;
         let bytes = match output::read(path) {
@@ -52,7 +55,7 @@ impl Problem {
             None => bytes,
         };
         let data = read_csv(&bytes, &reading(&args.reading)).map_err(|findings| findings.in_file(&file))?;
-        Ok(Self { file, data, settings, sha256 })
+        Ok(Self { file, data, settings, beside, sha256 })
     }
 }
 
@@ -171,7 +174,7 @@ pub(crate) fn model(args: &ModelArgs) -> Result<ModelChoice, Usage> {
     {
         return Err(Usage(format!("{flag} is a choice of the paper's formulas; add --model paper")));
     }
-    if args.model != ModelWord::Hybrid && args.ridge_spacing.is_some() {
+    if !matches!(args.model, ModelWord::Hybrid | ModelWord::Auto) && args.ridge_spacing.is_some() {
         return Err(Usage("--ridge-spacing is of the hybrid model; add --model hybrid".to_owned()));
     }
     Ok(match args.model {
@@ -180,11 +183,26 @@ pub(crate) fn model(args: &ModelArgs) -> Result<ModelChoice, Usage> {
             admittance: args.admittance.map(crate::args::AdmittanceWord::value).unwrap_or_default(),
             lamella_unit: args.lamella_unit.unwrap_or_default(),
         },
-        ModelWord::Hybrid => {
-            ModelChoice::Hybrid { ridge_spacing: args.ridge_spacing.unwrap_or(HybridModel::RIDGE_SPACING) }
-        }
+        ModelWord::Hybrid => hybrid(args),
         ModelWord::Blend | ModelWord::Auto => ModelChoice::Blend,
     })
+}
+
+fn hybrid(args: &ModelArgs) -> ModelChoice {
+    ModelChoice::Hybrid { ridge_spacing: args.ridge_spacing.unwrap_or(HybridModel::RIDGE_SPACING) }
+}
+
+/// What `auto` compares with the model of the settings. One that cannot hold them is left out, unless it was asked for.
+fn beside(args: &ModelArgs, settings: &FitSettings) -> Result<Option<Vec<ModelChoice>>> {
+    if args.model != ModelWord::Auto {
+        return Ok(None);
+    }
+    let model = hybrid(args);
+    if args.ridge_spacing.is_some() {
+        built(&FitSettings { model, averages: Averages::default(), ..settings.clone() })?;
+        settings.for_model(model)?;
+    }
+    Ok(Some(vec![model]))
 }
 
 pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {

@@ -313,6 +313,33 @@ impl FitSettings {
         Ok(())
     }
 
+    /// The same choices for another model, with the bounds and start of a free `lamella_width` cut to the room that the
+    /// `hybrid` model has between its ridges.
+    ///
+    /// # Errors
+    /// [`SettingsError`] where the choices mean nothing to that model: a given weight, a part alone, a lamella wider than the
+    /// distance of the ridges.
+    ///
+    /// ```
+    /// use morpho_fit::inversion::{FitSettings, ModelChoice, Role};
+    /// let hybrid = FitSettings::default().for_model(ModelChoice::Hybrid { ridge_spacing: 500.0 })?;
+    /// assert_eq!(hybrid.roles[4], Role::Free { lower: 100.0, upper: 500.0 });
+    /// # Ok::<(), morpho_fit::inversion::SettingsError>(())
+    /// ```
+    pub fn for_model(&self, model: ModelChoice) -> Result<Self, SettingsError> {
+        let mut settings = Self { model, ..self.clone() };
+        let width = Parameter::LamellaWidth.index();
+        if let (ModelChoice::Hybrid { ridge_spacing }, Role::Free { lower, upper }) =
+            (model, &mut settings.roles[width])
+            && ridge_spacing > *lower
+        {
+            *upper = upper.min(ridge_spacing);
+            settings.start[width] = settings.start[width].map(|start| start.min(ridge_spacing));
+        }
+        settings.validate()?;
+        Ok(settings)
+    }
+
     /// Sets the role of one parameter.
     #[must_use]
     pub fn with_role(mut self, parameter: Parameter, role: Role) -> Self {

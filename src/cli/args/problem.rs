@@ -77,7 +77,7 @@ pub(crate) struct ModelArgs {
     /// What the `paper` model divides Model A by: `peak`, `printed`, or a reference width in nm [default: peak].
     #[arg(long, value_name = "peak|printed|NM", value_parser = values::lamella_unit)]
     pub(crate) lamella_unit: Option<LamellaUnit>,
-    /// Distance of the ridges in the `hybrid` model, nm, 1 to 1000000 [default: 750].
+    /// Distance of the ridges in the `hybrid` model, also beside the `blend` of `auto`, nm, 1 to 1000000 [default: 750].
     #[arg(long, value_name = "NM", value_parser = values::number, allow_negative_numbers = true)]
     pub(crate) ridge_spacing: Option<f64>,
     /// Give the layers the index sqrt(1 + SHARE (n² - 1)) that wide light sees of ridges in air; SHARE is that of a layer

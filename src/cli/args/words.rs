@@ -49,8 +49,9 @@ pub(crate) enum ModelWord {
     Hybrid,
     /// The printed formulas.
     Paper,
-    /// For a fit: the smallest variant of `blend` that does not lose, of lamellae or multilayer or both, delta 0 or free,
-    /// without a background or with one. What is fixed stays fixed.
+    /// For a fit: the smallest variant of `blend` and `hybrid` that does not lose, of lamellae or multilayer or both, delta 0
+    /// or free, without a background or with one, without the averages that are given or with them. What is fixed stays
+    /// fixed.
     Auto,
 }
 

@@ -1,6 +1,6 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
-use crate::args::{FitArgs, ModelWord, OutputArgs, UncertaintyWord};
+use crate::args::{FitArgs, OutputArgs, UncertaintyWord};
 use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::commands::{chart_files, drawn, sweep};
 use crate::exit::{Outcome, Usage};
@@ -90,12 +90,12 @@ struct Files {
 }
 
 fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: UncertaintyWord) -> Result<Files> {
-    let Problem { file, data, settings, .. } = problem;
+    let Problem { file, data, settings, beside, .. } = problem;
     let progress = Progress::new(args.output.quiet);
     let tell = |what: &str| progress.tell(what);
-    let found = match args.problem.model.model {
-        ModelWord::Auto => choose(data, settings, &tell).map(|choice| choice.fit),
-        ModelWord::Blend | ModelWord::Hybrid | ModelWord::Paper => fit(data, settings, &tell),
+    let found = match beside {
+        Some(beside) => choose(data, settings, beside, &tell).map(|choice| choice.fit),
+        None => fit(data, settings, &tell),
     };
     let mut fit = found.with_context(|| file.clone())?;
     if let Some(sha256) = &problem.sha256 {

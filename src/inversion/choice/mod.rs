@@ -1,4 +1,4 @@
-//! Model choice: the nested variants of a model, each fitted, and the smallest that does not lose.
+//! Model choice: the variants of one or more models, each fitted, and the smallest that does not lose.
 //!
 //! Which variants there are is in `variants`, how readings are left out and predicted in `held_out`, what loses in `rule`.
 
@@ -14,7 +14,7 @@ use crate::inversion::compiled::Compiled;
 use crate::inversion::fit::{FitError, fit};
 use crate::inversion::outcome::{Fit, FitOutcome, SigmaSource};
 use crate::inversion::parameter::{Parameter, Role};
-use crate::inversion::settings::FitSettings;
+use crate::inversion::settings::{FitSettings, ModelChoice};
 use crate::inversion::undetermined::unit_of_residuals;
 use crate::uncertainty::goodness::information_criteria;
 use held_out::{Runs, deviances};
@@ -40,7 +40,8 @@ pub struct ChoiceFound {
 /// One variant in the table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariantFound {
-    /// `lamella`, `multilayer` or `blend`, with `+ tilt` and `+ background` where these are fitted.
+    /// `lamella`, `multilayer`, `blend` or `hybrid`, with `+ tilt` and `+ background` where these are fitted, and `+ averages`
+    /// where readings are averaged.
     pub name: String,
     /// Unknowns that the data feel: parameters, scale, weight and background; those that do nothing do not count.
     pub unknowns: usize,
@@ -83,9 +84,15 @@ struct Tried {
 
 /// Fits the variants of `settings` that `data` can tell apart and keeps the smallest that does not lose.
 ///
-/// The variants are the lamellae alone, the multilayer alone or both; the tilt `delta` held at 0 or free; no background or
-/// one for all. What the settings fix, require, or ask for beyond their defaults stays in all of them: a fixed `delta` is
-/// not freed, a background not taken out, a plane that the data do not see not left out.
+/// The variants of a model are the lamellae alone, the multilayer alone or both (not of `hybrid`, which is one product); the
+/// tilt `delta` held at 0 or free; no background or one for all. What the settings fix, require, or ask for beyond their
+/// defaults stays in all of them: a fixed `delta` is not freed, a background not taken out, a plane that the data do not see
+/// not left out. The averages alone are on trial: where the settings have any, each variant with a multilayer is fitted
+/// without them and with them.
+///
+/// - `beside`: models whose variants stand beside those of the settings' own; empty for none. The bounds of `lamella_width`
+///   are cut to the room of a `hybrid` model. One that cannot hold what the settings ask for, such as a given weight or a spread
+///   of the tilt, is left out.
 ///
 /// ```text
 /// AICc = D/c + 2 k + 2 k (k + 1) / (n - k - 1)     behind if above the lowest by more than 2
@@ -97,6 +104,9 @@ struct Tried {
 /// variant that fits best. A variant loses if it is behind in two of the three, or has no minimum. If each loses, the best by
 /// held-out readings is kept.
 ///
+/// Models and averages are not nested in each other. The smallest is that of fewest unknowns, of which averages have none; of
+/// equally many, the first in the table: plane waves before averages, then the settings' own model before those beside it.
+///
 /// - `progress` is told which variant is being fitted.
 ///
 /// # Source
@@ -104,24 +114,31 @@ struct Tried {
 /// Schwarz 1978, DOI 10.1214/aos/1176344136 (BIC); Hastie, Tibshirani and Friedman 2009, section 7.10 (one standard error).
 ///
 /// # Errors
-/// [`FitError`] if no variant can be fitted: that of the largest.
+/// [`FitError`] if no variant can be fitted: that of the last in the table.
 ///
 /// ```
-/// use morpho_fit::inversion::{FitSettings, Parts, choose};
+/// use morpho_fit::inversion::{FitSettings, ModelChoice, Parts, choose};
 /// use morpho_fit::optics::{BlendModel, Structure};
 /// use morpho_fit::synthetic::{Scan, simulate};
 ///
 /// let (model, upright) = (BlendModel::default(), Structure { delta: 0.0, ..Structure::blue() });
 /// let data = simulate(&model, &upright, &Scan::full_design(&model, &upright)?, 1.0, 0.01, 7)?;
-/// let choice = choose(&data, &FitSettings::default(), &|_| {})?;
+/// let choice = choose(&data, &FitSettings::default(), &[ModelChoice::Hybrid { ridge_spacing: 750.0 }], &|_| {})?;
 /// let table = choice.fit.outcome.choice.unwrap();
-/// assert_eq!(table.variants.len(), 10);
+/// assert_eq!(table.variants.len(), 10 + 4);
 /// assert_eq!(choice.fit.outcome.settings.parts, Parts::Both);
+/// assert_eq!(choice.fit.outcome.settings.model, ModelChoice::Blend);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn choose(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sync)) -> Result<Choice, FitError> {
+pub fn choose(
+    data: &Dataset,
+    settings: &FitSettings,
+    beside: &[ModelChoice],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Choice, FitError> {
     settings.validate()?;
-    let candidates = variants(data, settings);
+    settings.forward()?;
+    let candidates = variants(data, settings, beside);
     let count = candidates.len();
     let mut tried: Vec<Tried> = Vec::with_capacity(count);
     let mut refused = None;
@@ -134,9 +151,10 @@ pub fn choose(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) +
             Err(error) => return Err(error),
         }
     }
-    let best = tried.iter().filter(|one| one.fit.outcome.termination.was_successful()).chain(&tried);
-    let best = best.min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map(|best| overdispersion(&best.fit));
-    let Some(overdispersion) = best else {
+    let has_minimum = |one: &&Tried| one.fit.outcome.termination.was_successful();
+    let lowest = |a: &&Tried, b: &&Tried| a.deviance.total_cmp(&b.deviance);
+    let best = tried.iter().filter(has_minimum).min_by(lowest).or_else(|| tried.iter().min_by(lowest));
+    let Some(overdispersion) = best.map(|best| overdispersion(&best.fit)) else {
         return Err(refused.unwrap_or(FitError::NowhereFinite { model: "chosen" }));
     };
     progress("predicting readings left out");

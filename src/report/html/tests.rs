@@ -101,7 +101,7 @@ fn every_number_of_the_terminals_table_stands_in_the_page_under_the_same_name() 
 #[test]
 fn no_text_of_the_data_becomes_markup() {
     let mut fit = fitted(BLUE);
-    fit.outcome.choice = choose(&data(ACROSS), &FitSettings::default(), &|_| {}).unwrap().fit.outcome.choice;
+    fit.outcome.choice = choose(&data(ACROSS), &FitSettings::default(), &[], &|_| {}).unwrap().fit.outcome.choice;
     let mut outcome = poisoned(&fit.outcome);
     outcome.choice.as_mut().unwrap().variants[0].name.push_str(HOSTILE);
     let swatch = Swatch { name: HOSTILE.to_owned(), colour: [16, 160, 255], note: HOSTILE.to_owned() };

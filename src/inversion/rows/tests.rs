@@ -1,0 +1,118 @@
+//! Runs, blocks and sums against readings taken one by one.
+
+use super::*;
+use approx::assert_relative_eq;
+
+fn reading(nodes: [usize; 3], curve: usize, shares: (f64, f64)) -> PlannedReading {
+    let [lamella, stack, lobe] = nodes;
+    PlannedReading {
+        lamella,
+        stack,
+        lobe,
+        share_a: shares.0,
+        share_b: shares.1,
+        intensity: 0.1 * (lamella + 2 * lobe) as f64,
+        weight: 1.0 + 0.25 * stack as f64,
+        curve,
+    }
+}
+
+/// A grid, a spectrum, a shuffled curve and single readings of other planes.
+fn readings() -> Vec<PlannedReading> {
+    let mut all: Vec<PlannedReading> = Vec::new();
+    for i in 0..60 {
+        all.push(reading([i, i / 20, i % 20], 0, (0.25, 0.75)));
+    }
+    for i in 0..11 {
+        all.push(reading([0, i, 3], 1, (0.0, 1.0)));
+    }
+    for i in 0..30 {
+        all.push(reading([i * 7 % 60, i * 5 % 11, i * 3 % 20], 2, (0.5, 0.5)));
+    }
+    all.push(reading([59, 10, 19], 2, (1.0, 0.0)));
+    all.push(reading([58, 9, 18], 0, (0.0, 1.0)));
+    all
+}
+
+fn wave(length: usize, phase: f64) -> Vec<f64> {
+    (0..length).map(|i| (phase + 0.37 * i as f64).sin()).collect()
+}
+
+#[test]
+fn runs_hold_every_reading_once_in_order() {
+    let all = readings();
+    let rows = Rows::new(&all, &[0, 1, 2]);
+    let mut next = 0;
+    for run in &rows.runs {
+        assert_eq!(run.rows.start, next);
+        next = run.rows.end;
+    }
+    assert_eq!(next, all.len());
+    let blocks: Vec<Range<usize>> = rows.blocks().iter().map(|block| block.rows.clone()).collect();
+    assert_eq!(blocks, [0..60, 60..71, 71..102, 102..103]);
+    // Curves with the same nuisances that take turns stand together.
+    let turns: Vec<PlannedReading> = (0..40).map(|i| reading([i, 0, 0], i % 2, (0.5, 0.5))).collect();
+    assert_eq!(Rows::new(&turns, &[0, 0]).spans(), [(0, 0..40)]);
+    assert_eq!(Rows::new(&turns, &[0, 1]).spans().len(), 40);
+    // A long run is cut.
+    let long = Rows::new(&vec![all[0]; 1100], &[0]);
+    let lengths: Vec<usize> = long.blocks().iter().map(|block| block.rows.len()).collect();
+    assert_eq!(lengths, [512, 512, 76]);
+    // Three rows of the grid, the spectrum, the shuffled curve in one, and two single readings.
+    assert_eq!(rows.runs.len(), 7);
+    let spans: Vec<usize> = rows.spans().iter().map(|(curve, _)| *curve).collect();
+    assert_eq!(spans, [0, 1, 2, 0]);
+}
+
+/// Against the sum written out, reading by reading.
+#[test]
+fn parts_and_slopes_are_those_of_each_reading() {
+    let all = readings();
+    let rows = Rows::new(&all, &[0, 1, 2]);
+    let robust: Vec<f64> = wave(all.len(), 2.0).iter().map(|x| 0.5 + x * x).collect();
+    let weighted = rows.weighted(&robust);
+    let (p, d, r, l) = (wave(60, 0.1), wave(60, 0.2), wave(11, 0.3), wave(20, 0.4));
+    let terms = TermsView { interference: &p, diffraction: &d, stack: &r, lobe: &l };
+    let lamella = [wave(60, 0.5), wave(60, 0.6)];
+    let stack = [wave(11, 0.7), wave(11, 0.8), wave(11, 0.9)];
+    let lobe = [wave(20, 1.0), wave(20, 1.1), wave(20, 1.2)];
+    let slopes = TermSlopes {
+        lamella: lamella.each_ref().map(Vec::as_slice),
+        stack: stack.each_ref().map(Vec::as_slice),
+        lobe: [&lobe[0], &lobe[1]],
+        lobe_by_width: Some(&lobe[2]),
+    };
+    let factors = [(0.3, 0.7, 0.0), (1.1, 0.9, 0.1), (2.0, 0.4, 0.2)];
+    let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; all.len()]);
+    for block in rows.blocks() {
+        let (on_a, on_b, _) = factors[block.curve];
+        let columns = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
+        rows.add_slopes(block, terms, &slopes, &weighted.weights, (on_a, on_b), columns);
+    }
+    let parts = rows.parts(terms, &weighted.weights);
+    let mut left = vec![0.0; all.len()];
+    for (curve, span) in rows.spans() {
+        let of = |values: &[f64]| values[span.clone()].to_vec();
+        let (a, b) = (of(&parts.lamella), of(&parts.multilayer));
+        let (w, y) = (of(&weighted.weights), of(&weighted.intensities));
+        residuals(&mut left[span.clone()], factors[*curve], [&a, &b], [&w, &y]);
+    }
+    for (row, reading) in all.iter().enumerate() {
+        let w = reading.weight * robust[row];
+        let (on_a, on_b, background) = factors[reading.curve];
+        let (a, b) = (w * on_a * reading.share_a, w * on_b * reading.share_b);
+        let (i, j, k) = (reading.lamella, reading.stack, reading.lobe);
+        let value = a * p[i] * d[i] + b * r[j] * l[k];
+        assert_relative_eq!(left[row], value + w * (background - reading.intensity), epsilon = 1e-14);
+        let expected = [
+            a * lamella[0][i] + b * stack[0][j] * l[k],
+            a * lamella[0][i] + b * stack[1][j] * l[k],
+            b * (stack[2][j] * l[k] + r[j] * lobe[0][k]),
+            b * r[j] * lobe[1][k],
+            a * lamella[1][i] + b * r[j] * lobe[2][k],
+        ];
+        for (column, expected) in columns.iter().zip(expected) {
+            assert_relative_eq!(column[row], expected, epsilon = 1e-14);
+        }
+    }
+}
