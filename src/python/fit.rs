@@ -59,8 +59,10 @@ pub(crate) fn fit(
     keywords.finish()?;
     let Given { data, name, notes } = data::dataset(py, data, &said)?;
     let work = |progress: &(dyn Fn(&str) + Sync)| -> Result<Fit, Trouble> {
-        let mut found =
-            if model.auto { choose(&data, &settings, progress)?.fit } else { fitted(&data, &settings, progress)? };
+        let mut found = match model.auto {
+            Some(beside) => choose(&data, &settings, &[beside], progress)?.fit,
+            None => fitted(&data, &settings, progress)?,
+        };
         found.outcome.data.notes.extend(notes);
         // More data do not mend a model that misses those there are.
         if asked && found.outcome.sigma_source != SigmaSource::Widened {
@@ -205,7 +207,7 @@ impl FitResult {
     #[getter]
     fn model(&self, py: Python<'_>) -> PyResult<Model> {
         let settings = &self.fit.outcome.settings;
-        let made = Model::build(settings.model, settings.stack.clone(), settings.averages, false);
+        let made = Model::build(settings.model, settings.stack.clone(), settings.averages, None);
         made.map_err(|error| super::errors::of_optics(py, &error, None))
     }
 

@@ -196,8 +196,8 @@ pub(crate) struct Model {
     pub(crate) choice: ModelChoice,
     pub(crate) stack: optics::Stack,
     pub(crate) averages: optics::Averages,
-    /// "auto": the fit chooses among the variants of "blend".
-    pub(crate) auto: bool,
+    /// "auto": the fit chooses among the variants of "blend" and of this.
+    pub(crate) auto: Option<ModelChoice>,
     built: Arc<dyn ReflectivityModel>,
 }
 
@@ -207,7 +207,7 @@ impl Model {
         choice: ModelChoice,
         stack: optics::Stack,
         averages: optics::Averages,
-        auto: bool,
+        auto: Option<ModelChoice>,
     ) -> Result<Self, OpticsError> {
         let model = choice.build(stack.clone());
         let built: Arc<dyn ReflectivityModel> =
@@ -218,7 +218,7 @@ impl Model {
 
     /// The forward model; none for "auto".
     pub(crate) fn forward(&self) -> PyResult<Arc<dyn ReflectivityModel>> {
-        if self.auto {
+        if self.auto.is_some() {
             return Err(refused(
                 "\"auto\" compares fits and is for fit() alone; give \"blend\", \"hybrid\" or \"paper\"",
             ));
@@ -255,12 +255,13 @@ impl Model {
                 "{argument} is a choice of the paper's formulas; it needs the model \"paper\""
             )));
         }
-        if name != "hybrid" && ridge_spacing.is_some() {
+        if !matches!(name, "hybrid" | "auto") && ridge_spacing.is_some() {
             return Err(refused("ridge_spacing is of the model \"hybrid\""));
         }
+        let hybrid = ModelChoice::Hybrid { ridge_spacing: ridge_spacing.unwrap_or(HybridModel::RIDGE_SPACING) };
         let choice = match name {
             "blend" | "auto" => ModelChoice::Blend,
-            "hybrid" => ModelChoice::Hybrid { ridge_spacing: ridge_spacing.unwrap_or(HybridModel::RIDGE_SPACING) },
+            "hybrid" => hybrid,
             "paper" => ModelChoice::Paper {
                 snell: snell.map(words::snell).transpose()?.unwrap_or_default(),
                 admittance: admittance.map(words::admittance).transpose()?.unwrap_or_default(),
@@ -280,13 +281,14 @@ impl Model {
         };
         let stack = stack.map(|stack| stack.stack).unwrap_or_default();
         let averages = averages.map(|averages| averages.averages).unwrap_or_default();
-        Self::build(choice, stack, averages, name == "auto").map_err(|error| of_optics(py, &error, None))
+        Self::build(choice, stack, averages, (name == "auto").then_some(hybrid))
+            .map_err(|error| of_optics(py, &error, None))
     }
 
     /// "blend", "hybrid", "paper" or "auto".
     #[getter]
     fn name(&self) -> &'static str {
-        if self.auto { "auto" } else { self.built.name() }
+        if self.auto.is_some() { "auto" } else { self.built.name() }
     }
 
     fn __repr__(&self) -> String {

@@ -92,7 +92,7 @@ struct Tried {
 ///
 /// - `beside`: models whose variants stand beside those of the settings' own; empty for none. The bounds of `lamella_width`
 ///   are cut to the room of a `hybrid` model. One that cannot hold what the settings ask for, such as a given weight or a spread
-///   of the tilt, is left out.
+///   of the tilt, is left out, and so are all of them under an aperture, where one fit takes minutes.
 ///
 /// ```text
 /// AICc = D/c + 2 k + 2 k (k + 1) / (n - k - 1)     behind if above the lowest by more than 2

@@ -48,7 +48,8 @@ impl Variant {
 /// before those of `beside` in their order.
 ///
 /// - Averages: none and those of the settings, where these have any. The lamellae alone are not averaged.
-/// - Models: that of the settings, and each of `beside` that can hold what the settings ask for.
+/// - Models: that of the settings, and each of `beside` that can hold what the settings ask for; none of these under an
+///   aperture.
 /// - Parts, tilt, background: see [`of_model`].
 pub(crate) fn variants(data: &Dataset, settings: &FitSettings, beside: &[ModelChoice]) -> Vec<Variant> {
     let mut models = vec![settings.clone()];
@@ -61,7 +62,11 @@ pub(crate) fn variants(data: &Dataset, settings: &FitSettings, beside: &[ModelCh
     averages.extend((!settings.averages.is_none()).then_some(settings.averages));
     let mut variants = Vec::new();
     for averages in averages {
-        for model in &models {
+        for (place, model) in models.iter().enumerate() {
+            // A product over a cone of directions takes minutes a fit: only who asks for it waits for it.
+            if place > 0 && averages.numerical_aperture > 0.0 {
+                continue;
+            }
             let settings = FitSettings { averages, ..model.clone() };
             // Not every model can be averaged over everything.
             if settings.forward().is_ok() {
