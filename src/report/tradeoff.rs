@@ -83,7 +83,7 @@ fn forward(sheet: &Sheet) -> Vec<String> {
     if let (Some(quickest), Some(dearest)) = (quickest, dearest) {
         found.push(format!(
             "{} of {} ways are exact to {ROUNDING:.0e} in R. The quickest is `{}`, {} ns for a wavelength, against {} ns of \
-             `{}`, the only one that holds for absorbing or unequal layers.",
+             `{}`, one wavelength at a time, which holds for absorbing and unequal layers too.",
             exact.len(),
             by_r.series.len(),
             quickest.method,
