@@ -9,6 +9,7 @@ import numba
 import numpy as np
 from scipy.optimize import least_squares, leastsq
 
+import colours
 import model
 import stack
 import table
@@ -19,6 +20,7 @@ from waves import library_sin_cos
 logging.getLogger("emcee").setLevel(logging.ERROR)  # tau of a short chain is said to be uncertain; the table shows tau
 
 AGREE_STACK, AGREE_CHI2, AGREE_TABLE = 1e-11, 1e-6, 1e-11
+AGREE_COLOUR = 1e-11
 SUCCESS = 1.05
 WALKERS, STEPS = 32, 2000
 AGREE_SPREAD = (
@@ -372,11 +374,44 @@ def table_contests(folder, path):
     )
 
 
+# --- W6 ----------------------------------------------------------------------------------------------------------------
+
+
+def colour_contests(folder, path):
+    for step in ("10", "1"):
+        spectra = colours.Spectra(folder, step)
+        count, wavelengths = spectra.reflectances.shape
+        reference, out = colours.encoded(spectra), np.empty((count, 3))
+
+        def judge(_ours, _name, run, reference=reference):
+            difference = np.abs(run.found - reference).max()
+            return f"{difference:.0e}", difference <= AGREE_COLOUR
+
+        def filled(spectra=spectra, out=out):
+            colours.fill(spectra.reflectances, spectra.weights, out)
+            return out
+
+        yield Contest(
+            f"W6 {wavelengths} wavelengths",
+            {
+                "this crate": program(
+                    path, folder / "w6.json", "w6", step, lambda _, out, count=count: (count, out.reshape(count, 3))
+                ),
+                "numpy, one matrix product": short(count, lambda spectra=spectra: colours.encoded(spectra)),
+                "numba, spectrum by spectrum": short(count, filled),
+            },
+            "M spectra/s",
+            lambda rate: f"{rate / 1e6:.3g}",
+            judge,
+        )
+
+
 CONTESTS = {
     "w1": stack_contests,
     "w2": fit_contests,
     "w3b": global_contests,
     "w4": posterior_contests,
     "w5": pixel_contests,
+    "w6": colour_contests,
     "w7": table_contests,
 }
