@@ -112,9 +112,14 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
             "the minimum next to the start explains nothing of the data: give a better start, or search everywhere"
                 .to_owned()
         } else {
+            let offset = if found.settings.nuisances.background == Extent::None {
+                "; if the readings stand on an offset, fit it: --background shared"
+            } else {
+                ""
+            };
             format!(
                 "the data show no structure that the model explains: chi² is only {:.0} below that of a constant, which \
-                 fitting pure noise would give",
+                 fitting pure noise would give{offset}",
                 gain.max(0.0)
             )
         });

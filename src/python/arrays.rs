@@ -52,11 +52,14 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Real {
     }
 }
 
-/// Refuses what numpy would make numbers of by leaving out a part: complex numbers, dates and spans of time.
+/// Refuses what numpy would make numbers of by leaving out a part: complex numbers, dates, spans of time and masks.
 ///
 /// # Errors
 /// `ValueError` that names the kind.
 pub(crate) fn require_real(given: &Bound<'_, PyAny>) -> PyResult<()> {
+    if given.get_type().name()? == "MaskedArray" {
+        return Err(refused("a masked array is given: leave masked elements out, with .compressed()".to_owned()));
+    }
     let Ok(kind) = given.getattr("dtype").and_then(|dtype| dtype.getattr("kind")) else { return Ok(()) };
     match kind.extract::<String>().as_deref() {
         Ok("c") => Err(refused("complex numbers are given where real ones are needed".to_owned())),

@@ -111,8 +111,8 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
     for name in NUMBERS {
         columns.push(column(name)?.map(|column| numbers(py, name, &column)).transpose()?);
     }
-    let curves = column("curve")?.map(|column| texts(&column)).transpose()?;
-    let polarizations = column("polarization")?.map(|column| texts(&column)).transpose()?;
+    let curves = column("curve")?.map(|column| texts(py, "curve", &column)).transpose()?;
+    let polarizations = column("polarization")?.map(|column| texts(py, "polarization", &column)).transpose()?;
     let lengths = NUMBERS.iter().zip(&columns).filter_map(|(name, column)| Some((*name, column.as_ref()?.len())));
     let texts = [("curve", &curves), ("polarization", &polarizations)];
     let lengths = lengths.chain(texts.into_iter().filter_map(|(name, column)| Some((name, column.as_ref()?.len()))));
@@ -197,8 +197,17 @@ fn numbers(py: Python<'_>, name: &str, column: &Bound<'_, PyAny>) -> PyResult<Ve
     }
 }
 
-fn texts(column: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
-    column.try_iter()?.map(|cell| Ok(cell?.str()?.to_string())).collect()
+fn texts(py: Python<'_>, name: &str, column: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let one = |(row, cell): (usize, PyResult<Bound<'_, PyAny>>)| {
+        let cell = cell?;
+        // None, and what pandas puts where nothing is: NaN, NaT and NA.
+        let missing = cell.is_none() || cell.ne(&cell).unwrap_or(true);
+        if missing {
+            return Err(Defect::of_reading(name, row, "the cell is empty".to_owned()).raise(py));
+        }
+        Ok(cell.str()?.to_string())
+    };
+    column.try_iter()?.enumerate().map(one).collect()
 }
 
 /// Findings about names of columns: there is no line.

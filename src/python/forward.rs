@@ -37,6 +37,12 @@ pub(crate) fn multilayer_reflectivity<'py>(
 ) -> PyResult<Planes<'py>> {
     let ([wavelength], rows) = together([("wavelength", &wavelength)])?;
     let ([theta], columns) = together([("theta", &theta)])?;
+    let beyond = (0..columns.unwrap_or(1)).map(|column| theta.at(column)).find(|angle| !(angle.abs() <= 90.0));
+    if let Some(angle) = beyond {
+        return Err(refused(format!(
+            "theta is {angle} deg from the normal of the layers; it must be at most 90 in size"
+        )));
+    }
     let stack = stack.map(|stack| stack.stack).unwrap_or_default();
     let (rows, columns) = (rows.unwrap_or(1), columns.unwrap_or(1));
     let period = Period::of(&structure.inside);

@@ -54,7 +54,18 @@ impl<'py> Keywords<'py> {
     /// Refuses what nobody took.
     pub(crate) fn finish(self) -> PyResult<()> {
         let Some(name) = self.given.and_then(|given| given.keys().iter().next()) else { return Ok(()) };
-        Err(PyTypeError::new_err(format!("`{}` is no keyword of this function", name.str()?)))
+        let name = name.str()?.to_string();
+        let place = match name.as_str() {
+            "layers" | "n_cuticle" | "n_gap" | "n_base" | "n_ambient" | "filling" => {
+                "; give model=Model(stack=Stack(...))"
+            }
+            "numerical_aperture" | "bandwidth" | "period_spread" | "tilt_spread" => {
+                "; give model=Model(averages=Averages(...))"
+            }
+            "snell" | "admittance" | "lamella_unit" | "ridge_spacing" => "; give model=Model(...)",
+            _ => "",
+        };
+        Err(PyTypeError::new_err(format!("`{name}` is no keyword of this function{place}")))
     }
 }
 

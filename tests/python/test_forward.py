@@ -127,6 +127,17 @@ def test_complex_numbers_are_taken_whole_or_refused() -> None:
         morpho_fit.fit({**data, "omega_deg": 90 + 0 * WAVELENGTHS, "intensity": WAVELENGTHS * 1j})
 
 
+def test_what_would_be_read_in_part_is_refused() -> None:
+    masked = np.ma.array(WAVELENGTHS, mask=WAVELENGTHS > 700)
+    with pytest.raises(ValueError, match="masked"):
+        morpho_fit.reflectivity(Structure(), masked, 0, 0, 90)
+    for angle in (90.5, 180.0, 400.0, float("nan")):
+        with pytest.raises(ValueError, match="at most 90"):
+            morpho_fit.multilayer_reflectivity(Structure(), WAVELENGTHS, angle)
+    with pytest.raises(TypeError, match=r"Stack\("):
+        morpho_fit.fit("data/blue_morpho.csv", layers=7)  # type: ignore[call-arg]
+
+
 def test_a_structure_keeps_its_numbers() -> None:
     values = {"d_air": 120.1, "d_cuticle": 70.2, "delta": 1.3, "phi_alpha": 0.4, "lamella_width": 250.5}
     structure = Structure(**values)

@@ -148,7 +148,7 @@ mod tests {
         let scans = Scan::full_design(&model, &blue).unwrap();
         let data = simulate(&model, &blue, &scans, 1.0, 0.01, 1).unwrap();
         let hybrid = |ridge_spacing| [ModelChoice::Blend, ModelChoice::Hybrid { ridge_spacing }];
-        let averages = Averages { numerical_aperture: 0.4, ..Averages::default() };
+        let averages = Averages { bandwidth: 20.0, ..Averages::default() };
         let all = variants(&data, &FitSettings { averages, ..FitSettings::default() }, &hybrid(500.0));
         // The lamellae alone have no averages.
         assert_eq!(all.len(), 10 + 4 + 8 + 4);
@@ -173,6 +173,8 @@ mod tests {
         let mut weighted = FitSettings::default();
         weighted.nuisances.weight = Weight::Fixed(1.0);
         assert_eq!(count(weighted), 4);
+        let cone = Averages { numerical_aperture: 0.4, ..Averages::default() };
+        assert_eq!(count(FitSettings { averages: cone, ..FitSettings::default() }), 10 + 4 + 8);
         let tilts = Averages { tilt_spread: 0.05, ..Averages::default() };
         assert_eq!(count(FitSettings { averages: tilts, ..FitSettings::default() }), 10 + 4 + 8);
     }
