@@ -52,9 +52,9 @@ def test_a_defect_of_a_frame_has_row_and_column(data: Path) -> None:
         with pytest.raises(DataError) as raised:
             morpho_fit.fit(frame.assign(intensity=frame["intensity"].where(frame.index != 2, value)))
         assert (raised.value.column, raised.value.reading) == ("intensity", 2)
-    for value in (np.nan, None, pandas.NA):
+    for missing in (np.nan, None, pandas.NA):
         with pytest.raises(DataError, match="empty") as raised:
-            morpho_fit.fit(frame.assign(curve=frame["curve"].where(frame.index != 4, value)))
+            morpho_fit.fit(frame.assign(curve=frame["curve"].where(frame.index != 4, missing)))
         assert (raised.value.column, raised.value.reading) == ("curve", 4)
     with pytest.raises(DataError) as raised:
         morpho_fit.fit(frame.assign(polarization="left"))
