@@ -148,7 +148,7 @@ fn what_cannot_be_tabled_is_refused_and_leaves_nothing() {
         // Refused before anything is computed, however little is asked of the colours.
         ("--max-nodes 100 --tolerance 90 --wavelengths 20", 4, "100 are allowed"),
         // A jump, which no number of nodes can hold.
-        ("--delta=-10 --wavelengths 20", 4, "fall into their own shadow"),
+        ("--delta=-10 --wavelengths 20", 2, "fall into their own shadow"),
         ("--model paper --snell printed --wavelengths 20", 2, "no refracted ray"),
         ("--format npz", 2, "possible values"),
         ("nothing.json", 1, "cannot be read"),

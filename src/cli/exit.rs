@@ -104,7 +104,7 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
     if let Some(error) = cause.downcast_ref::<TableError>() {
         return Some(match error {
             TableError::Optics(error) => code_of_optics(error),
-            TableError::TooLarge { .. } => NOT_CONVERGED,
+            TableError::TooLarge { .. } | TableError::TooMany { .. } => NOT_CONVERGED,
             _ => USAGE,
         });
     }

@@ -38,7 +38,7 @@ pub enum TableError {
         found: f64,
     },
     /// More nodes than are allowed, before a table could be judged.
-    #[error("more than {nodes} nodes would be needed for ΔE₀₀ {tolerance}, and {most} are allowed")]
+    #[error("at least {nodes} nodes would be needed for ΔE₀₀ {tolerance}, and {most} are allowed")]
     TooMany {
         /// Nodes so far.
         nodes: usize,
