@@ -30,6 +30,9 @@ use std::f64::consts::TAU;
 /// Readings that a thinned plan keeps of each curve, if it has them.
 const LEAST_OF_A_CURVE: usize = 16;
 
+/// A direction this near the edge of the lobe is at it, rad.
+const EDGE: f64 = 1e-4;
+
 /// Denominator and numerator of the golden ratio's fractional part: multiples of it are spread evenly.
 const SPREAD: usize = 1 << 16;
 const GOLDEN: usize = 40_503;
@@ -360,8 +363,13 @@ impl<'a> Plan<'a> {
         self.lobe.iter().map(|&(theta, phi)| lobe::lobe(theta, phi, delta, phi_alpha)).collect()
     }
 
-    /// Derivatives of [`Plan::lobe`] by the tilt and the half-width, 1/rad, in exact form; `None` for a product.
+    /// Derivatives of [`Plan::lobe`] by the tilt and the half-width, 1/rad, in exact form; `None` for a product, and
+    /// with a direction next to the lobe's edge, where the slope jumps and a difference sees both sides.
     pub(crate) fn lobe_slopes(&self, delta: f64, phi_alpha: f64) -> Option<[DVector<f64>; 2]> {
+        let at_edge = |&(theta, phi): &(f64, f64)| ((phi + theta - 2.0 * delta).abs() - phi_alpha).abs() < EDGE;
+        if self.lobe.iter().any(at_edge) {
+            return None;
+        }
         let of = |&(theta, phi): &(f64, f64)| lobe::lobe_slopes(theta, phi, delta, phi_alpha);
         let slopes: Vec<[f64; 2]> = self.lobe.iter().map(of).collect();
         let by = |which: usize| DVector::from_iterator(slopes.len(), slopes.iter().map(|slopes| slopes[which]));
