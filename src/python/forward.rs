@@ -37,7 +37,8 @@ pub(crate) fn multilayer_reflectivity<'py>(
 ) -> PyResult<Planes<'py>> {
     let ([wavelength], rows) = together([("wavelength", &wavelength)])?;
     let ([theta], columns) = together([("theta", &theta)])?;
-    let beyond = (0..columns.unwrap_or(1)).map(|column| theta.at(column)).find(|angle| !(angle.abs() <= 90.0));
+    let beyond =
+        (0..columns.unwrap_or(1)).map(|column| theta.at(column)).find(|angle| angle.is_nan() || angle.abs() > 90.0);
     if let Some(angle) = beyond {
         return Err(refused(format!(
             "theta is {angle} deg from the normal of the layers; it must be at most 90 in size"
