@@ -2,7 +2,7 @@
 # Rscript examples/r/read_fit.R data/blue_morpho.csv fits a file, prints the parameters and draws curves.pdf.
 
 # Fits `file`; further arguments are the command's flags, `_` for `-`: morpho_fit("a.csv", omega = 90, fix = c(d_cuticle = 62)).
-# TRUE is a flag without a value. Returns fit.json as a list, with the data frame `curves` and matrices `covariance` and
+# TRUE is a flag without a value, FALSE leaves it out. Returns fit.json as a list, with the data frame `curves` and matrices `covariance` and
 # `correlation`.
 morpho_fit <- function(file, ..., out = tempfile("fit"), command = Sys.getenv("MORPHO_FIT", "morpho-fit")) {
   flags <- list(...)
@@ -10,6 +10,7 @@ morpho_fit <- function(file, ..., out = tempfile("fit"), command = Sys.getenv("M
     value <- flags[[name]]
     flag <- paste0("--", gsub("_", "-", name))
     if (isTRUE(value)) return(flag)
+    if (isFALSE(value)) return(character())
     texts <- if (is.character(value)) value else format(value, digits = 17, trim = TRUE)
     if (!is.null(names(value))) texts <- paste0(names(value), "=", texts)
     as.vector(rbind(flag, texts))

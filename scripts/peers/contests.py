@@ -2,6 +2,7 @@
 
 import json
 import logging
+from functools import partial
 
 import emcee
 import nlopt
@@ -200,14 +201,14 @@ def pixel_contests(folder, path):
     )
 
 
-# --- W3b ---------------------------------------------------------------------------------------------------------------
+# --- W3 and W3b --------------------------------------------------------------------------------------------------------
 
 
-def global_contests(folder, path):
-    workload = json.loads((folder / "w3b.json").read_text())
-    columns = np.loadtxt(folder / "w3b_data.csv", delimiter=",", skiprows=1).T.copy()
+def global_contests(name, folder, path):
+    workload = json.loads((folder / f"{name}.json").read_text())
+    columns = np.loadtxt(folder / f"{name}_data.csv", delimiter=",", skiprows=1).T.copy()
     design, cases = Design(workload), workload["cases"]
-    chi2, span = model.compiled_scaled_chi2(design), design.upper - design.lower
+    chi2, span = model.compiled_slopes_of_chi2(design, "scale" in workload), design.upper - design.lower
     accepted = np.array([SUCCESS * case["chi2_truth"] for case in cases])
 
     def search(data, sigma, algorithm, local, told):
@@ -246,16 +247,16 @@ def global_contests(folder, path):
     lbfgs = (nlopt.GD_MLSL_LDS, nlopt.LD_LBFGS)
     bobyqa = (nlopt.GN_MLSL_LDS, nlopt.LN_BOBYQA)
     yield Contest(
-        "W3b",
+        name.upper().replace("B", "b"),
         {
-            "this crate": program(path, folder / "w3b.json", "w3b", "", read, True),
+            "this crate": program(path, folder / f"{name}.json", name, "", read, True),
             f"MLSL, L-BFGS, {MLSL_EVALUATIONS} evaluations": all_cases(*lbfgs, False),
             "MLSL, L-BFGS, told when to stop": all_cases(*lbfgs, True),
             f"MLSL, BOBYQA, {MLSL_EVALUATIONS} evaluations": all_cases(*bobyqa, False),
         },
         "ms a fit",
         lambda rate: f"{1e3 / rate:.3g}",
-        lambda _ours, _name, run: (f"{int((run.found <= accepted).sum())}/{len(cases)}", True),
+        lambda _ours, _program, run: (f"{int((run.found <= accepted).sum())}/{len(cases)}", True),
     )
 
 
@@ -409,7 +410,8 @@ def colour_contests(folder, path):
 CONTESTS = {
     "w1": stack_contests,
     "w2": fit_contests,
-    "w3b": global_contests,
+    "w3": partial(global_contests, "w3"),
+    "w3b": partial(global_contests, "w3b"),
     "w4": posterior_contests,
     "w5": pixel_contests,
     "w6": colour_contests,

@@ -303,8 +303,8 @@ def compiled_chi2(design):
     return chi2
 
 
-def compiled_scaled_chi2(design):
-    """Compiled chi-squared at the best scale s = y.f / f.f, and its gradient: f(x, data, sigma, gradient)."""
+def compiled_slopes_of_chi2(design, scaled):
+    """Compiled chi-squared, if scaled at the best scale s = y.f / f.f, and its gradient: f(x, data, sigma, gradient)."""
     _, fill_slopes = compiled_model(design)
     size = design.size
 
@@ -312,7 +312,7 @@ def compiled_scaled_chi2(design):
     def chi2(x, data, sigma, gradient):
         model, jacobian = np.empty(size), np.empty((PARAMETERS, size))
         fill_slopes(x, model, jacobian)
-        scale = dot(data, model) / dot(model, model)
+        scale = dot(data, model) / dot(model, model) if scaled else 1.0
         for i in range(size):
             model[i] = (data[i] - scale * model[i]) / sigma
         for p in range(PARAMETERS):

@@ -69,6 +69,14 @@ pub(crate) fn require_real(given: &Bound<'_, PyAny>) -> PyResult<()> {
 }
 
 impl Column<'_> {
+    /// Sizes of its dimensions; none of one number.
+    pub(crate) fn shape(&self) -> Vec<usize> {
+        match self {
+            Self::One(_) => Vec::new(),
+            Self::Array(array) => array.as_array().shape().to_vec(),
+        }
+    }
+
     /// 0 for all.
     pub(crate) fn zero() -> Self {
         Self::One(0.0)
@@ -117,6 +125,62 @@ impl Values<'_> {
     }
 }
 
+/// The elements of columns of any shapes, stretched to the shape that numpy's rules of broadcasting give them.
+pub(crate) enum Elements<'a, const N: usize> {
+    /// Arrays of one length and single numbers, read where they lie.
+    InPlace([Values<'a>; N]),
+    /// Copies, each in the order of the common shape.
+    Stretched([Vec<f64>; N]),
+}
+
+impl<'a, const N: usize> Elements<'a, N> {
+    /// With their shape.
+    pub(crate) fn of(columns: [(&str, &'a Column<'_>); N]) -> PyResult<(Self, Vec<usize>)> {
+        let shape = common_shape(&columns)?;
+        if columns.iter().all(|(_, column)| column.shape().is_empty() || (shape.len() == 1 && column.shape() == shape))
+        {
+            return Ok((Self::InPlace(together(columns)?.0), shape));
+        }
+        let count: usize = shape.iter().product();
+        let stretched = columns.map(|(_, column)| match column {
+            Column::One(one) => vec![*one; count],
+            Column::Array(array) => {
+                array.as_array().broadcast(IxDyn(&shape)).map(|all| all.iter().copied().collect()).unwrap_or_default()
+            }
+        });
+        Ok((Self::Stretched(stretched), shape))
+    }
+
+    /// One of each column; `index` is below the product of the shape.
+    #[inline]
+    pub(crate) fn at(&self, index: usize) -> [f64; N] {
+        match self {
+            Self::InPlace(values) => values.map(|values| values.at(index)),
+            Self::Stretched(values) => std::array::from_fn(|column| values[column][index]),
+        }
+    }
+}
+
+fn common_shape(columns: &[(&str, &Column<'_>)]) -> PyResult<Vec<usize>> {
+    let mut shape: Vec<usize> = Vec::new();
+    for (name, column) in columns {
+        let own = column.shape();
+        let missing = own.len().saturating_sub(shape.len());
+        shape.splice(0..0, std::iter::repeat_n(1, missing));
+        let (offset, before) = (shape.len() - own.len(), shape.clone());
+        for (size, own_size) in shape[offset..].iter_mut().zip(&own) {
+            if *size == 1 {
+                *size = *own_size;
+            } else if *own_size != 1 && own_size != size {
+                return Err(refused(format!(
+                    "{name} has the shape {own:?}, which does not go with {before:?}, that of the arguments before it"
+                )));
+            }
+        }
+    }
+    Ok(shape)
+}
+
 /// Columns with their common length; `None` if all of them are single numbers.
 pub(crate) fn together<'a, const N: usize>(
     columns: [(&str, &'a Column<'_>); N],
@@ -138,9 +202,8 @@ pub(crate) fn together<'a, const N: usize>(
     Ok((values, length.map(|(_, length)| length)))
 }
 
-/// Results as an array [n], or without dimensions where every argument was one number.
-pub(crate) fn array(py: Python<'_>, values: Vec<f64>, length: Option<usize>) -> PyResult<Bound<'_, PyArrayDyn<f64>>> {
-    let shape = length.map_or_else(Vec::new, |length| vec![length]);
-    let shaped = numpy::ndarray::ArrayD::from_shape_vec(IxDyn(&shape), values);
+/// Results as an array of `shape`.
+pub(crate) fn array<'py>(py: Python<'py>, values: Vec<f64>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let shaped = numpy::ndarray::ArrayD::from_shape_vec(IxDyn(shape), values);
     Ok(shaped.map_err(|error| refused(error.to_string()))?.into_pyarray(py))
 }

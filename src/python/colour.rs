@@ -15,10 +15,16 @@ use crate::sweep::{SweepError, View, Viewing, colours};
 use crate::units::radians;
 use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
+use std::ffi::CString;
 
 /// Relative distance from a regular grid that counts as none.
 const REGULAR: f64 = 1e-6;
+/// What a spectrum must cover for its colour, nm: outside, a white under D65 has 0.2 % of its Y and 1.1 % of its Z.
+const VISIBLE: [f64; 2] = [410.0, 680.0];
+/// Reflectances beyond this are taken for per cent.
+const PER_CENT: f64 = 5.0;
 
 /// A light: "D65", "A", "E", or (wavelength [m], power [m]).
 #[derive(FromPyObject)]
@@ -48,6 +54,11 @@ fn of_colour(error: &ColourError) -> PyErr {
 
 fn observer(word: &str) -> PyResult<Observer> {
     choose("observer", word, &[("1931", Observer::Cie1931), ("1964", Observer::Cie1964)])
+}
+
+fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let message = CString::new(message).map_err(|error| refused(error.to_string()))?;
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 1)
 }
 
 /// Colours [n] under one white.
@@ -134,7 +145,8 @@ impl Colours {
 
 /// Colours of spectra of reflectance.
 ///
-/// wavelength [m], nm, evenly spaced; reflectance [m] or [n, m], fractions. observer "1931" or "1964"; illuminant "D65", "A",
+/// wavelength [m], nm, evenly spaced, over the visible range; reflectance [m] or [n, m], fractions. Warns of a window that leaves
+/// out part of what an eye sees, and of per cent. observer "1931" or "1964"; illuminant "D65", "A",
 /// "E" or (wavelength, power). Returns Colours [1] or [n].
 #[pyfunction]
 #[pyo3(signature = (wavelength, reflectance, *, observer="1931", illuminant=None))]
@@ -160,7 +172,21 @@ pub(crate) fn colour<'py>(
     if !(matches!(shape.as_slice(), [_] | [_, _]) && shape.last() == Some(&points)) {
         return Err(refused(format!("reflectance has the shape {shape:?}; it must be [{points}] or [n, {points}]")));
     }
+    let [first, last] = [wavelength.at(0), wavelength.at(points - 1)];
+    if first > VISIBLE[0] || last < VISIBLE[1] {
+        warn(
+            py,
+            &format!(
+                "the spectrum covers {first} to {last} nm: colours and their white are those of this window alone, not what an \
+                 eye sees; give {} to {} nm or more",
+                VISIBLE[0], VISIBLE[1]
+            ),
+        )?;
+    }
     let view = reflectance.as_array();
+    if view.iter().any(|value| *value > PER_CENT) {
+        warn(py, "reflectance goes beyond 5: it is a fraction, 1 for a perfect white, not per cent")?;
+    }
     let whole = view.as_standard_layout();
     let flat = whole.as_slice().unwrap_or_default();
     let colours = py.detach(|| integration.xyz_of_many(flat)).map_err(|error| of_colour(&error))?;

@@ -11,7 +11,7 @@ use crate::units::radians;
 use numpy::ndarray::Ix1;
 use numpy::{AllowTypeChange, PyArrayLikeDyn};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyString};
 use std::collections::HashMap;
 
 /// Columns of numbers with their names in a file; the last is left out where there is none.
@@ -60,13 +60,18 @@ pub(crate) fn dataset(py: Python<'_>, data: &Bound<'_, PyAny>, said: &Said) -> P
     if let Ok(bytes) = data.cast::<PyBytes>() {
         return of_bytes(py, bytes.as_bytes(), "data", None, said);
     }
+    if let Ok(text) = data.cast::<PyString>()
+        && text.to_str().is_ok_and(|text| text.contains('\n'))
+    {
+        return of_bytes(py, text.to_str()?.as_bytes(), "data", None, said);
+    }
     if data.hasattr("keys")? || data.hasattr("columns")? {
         return of_table(py, data, said);
     }
     let path: String =
         py.import("os")?.call_method1("fsdecode", (data,)).and_then(|path| path.extract()).map_err(|_| {
             refused(
-                "data is neither a path, nor bytes of CSV, nor a table with named columns such as a dict or a frame",
+                "data is neither a path, nor CSV as text or bytes, nor a table with named columns such as a dict or a frame",
             )
         })?;
     let file = py.import("pathlib")?.call_method1("Path", (path.as_str(),))?.call_method0("read_bytes")?;
@@ -235,8 +240,8 @@ pub(crate) fn columns<'py>(py: Python<'py>, data: &Dataset) -> PyResult<Bound<'p
     let all = PyDict::new(py);
     let of = |value: &dyn Fn(&Reading) -> f64| data.readings().iter().map(value).collect::<Vec<f64>>();
     let put = |name, values: Vec<f64>| {
-        let length = Some(values.len());
-        all.set_item(name, super::arrays::array(py, values, length)?)
+        let shape = [values.len()];
+        all.set_item(name, super::arrays::array(py, values, &shape)?)
     };
     let degrees = |angle: f64| (crate::units::degrees(angle) * 1e9).round() / 1e9 + 0.0;
     let curve = |reading: &Reading| data.curves().get(reading.curve).cloned().unwrap_or_default();

@@ -27,8 +27,13 @@ create_exception!(
      or None."
 );
 
-/// A choice that cannot be.
+/// An argument that cannot be.
 pub(crate) fn refused(message: impl Into<String>) -> PyErr {
+    PyValueError::new_err(message.into())
+}
+
+/// What cannot be fitted.
+pub(crate) fn unfit(message: impl Into<String>) -> PyErr {
     FitError::new_err(message.into())
 }
 
@@ -135,11 +140,11 @@ pub(crate) fn of_optics(py: Python<'_>, found: &optics::OpticsError, index: Opti
 pub(crate) fn of_fit(py: Python<'_>, found: &Unfit) -> PyErr {
     match found {
         Unfit::Optics(error) => of_optics(py, error, None),
-        other => refused(other.to_string()),
+        other => unfit(other.to_string()),
     }
 }
 
 /// Choices that cannot be fitted.
 pub(crate) fn of_settings(found: &SettingsError) -> PyErr {
-    refused(found.to_string())
+    unfit(found.to_string())
 }

@@ -2,7 +2,7 @@
 
 use super::arrays::array;
 use super::data::{self, Given, Said};
-use super::errors::{of_fit, refused};
+use super::errors::{of_fit, refused, unfit};
 use super::intervals::{Methods, Posterior, ProfileFound, bootstraps_of, count};
 use super::model::Model;
 use super::patience::patiently;
@@ -24,7 +24,7 @@ use pyo3::types::PyDict;
 
 /// Fits a measurement; the same result, to the last bit, as the command with the same data and settings.
 ///
-/// data is the path of a CSV file, its bytes, or a table whose columns have the names and units of the file: a dict of arrays
+/// data is the path of a CSV file, its text or bytes, or a table whose columns have the names and units of the file: a dict of arrays
 /// [n], a frame of pandas or polars. Columns: wavelength_nm, theta_deg, phi_deg, omega_deg, intensity, and if they are known
 /// sigma, curve, polarization. What is the same for all readings may be a keyword: wavelength (nm), theta, phi, omega
 /// (degrees), sigma, polarization. wide ("theta", "phi", "curve") reads a wide file, intensity_column names another column.
@@ -74,7 +74,7 @@ pub(crate) fn fit(
     };
     let fit = patiently(py, work)?.map_err(|trouble| match trouble {
         Trouble::Fit(error) => of_fit(py, &error),
-        Trouble::Advice(error) => refused(error.to_string()),
+        Trouble::Advice(error) => unfit(error.to_string()),
     })?;
     Ok(FitResult { fit, data, name })
 }
@@ -245,8 +245,8 @@ impl FitResult {
     #[getter]
     fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let values: Vec<f64> = self.fit.readings.iter().map(|reading| reading.normalised).collect();
-        let length = Some(values.len());
-        array(py, values, length)
+        let shape = [values.len()];
+        array(py, values, &shape)
     }
 
     /// The data beside the model, as in curves.csv: a dict of columns [n], ready for a frame.
@@ -262,8 +262,8 @@ impl FitResult {
         ];
         for (name, of) in columns {
             let values: Vec<f64> = self.fit.readings.iter().map(of).collect();
-            let length = Some(values.len());
-            all.set_item(name, array(py, values, length)?)?;
+            let shape = [values.len()];
+            all.set_item(name, array(py, values, &shape)?)?;
         }
         Ok(all)
     }

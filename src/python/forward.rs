@@ -1,13 +1,13 @@
 //! Forward models over arrays.
 
-use super::arrays::{Column, array, together};
+use super::arrays::{Column, Elements, array, together};
 use super::errors::{of_optics, refused};
 use super::model::{ModelArgument, Stack};
 use super::structure::Structure;
 use super::words;
-use crate::geometry::{Geometry, Polarization};
+use crate::geometry::Geometry;
 use crate::optics::multilayer::{Period, reflectivities};
-use crate::optics::{self, Contribution, OpticsError, ReflectivityModel};
+use crate::optics::{self, Contribution, OpticsError};
 use crate::units::radians;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyArrayDyn};
@@ -25,7 +25,7 @@ type Terms<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
 /// Reflectivity of the stack alone, exact for s and p, over a grid.
 ///
 /// wavelength [m], nm; theta [n], degrees from the normal of the layers (the tilt delta is not taken off). Returns
-/// (R_s, R_p), each [m, n], dimensionless. Raises OpticsError for input out of range.
+/// (R_s, R_p), each [m, n], dimensionless. Raises OpticsError, with the `index` of theta, for input out of range.
 #[pyfunction]
 #[pyo3(signature = (structure, wavelength, theta, *, stack=None))]
 pub(crate) fn multilayer_reflectivity<'py>(
@@ -37,12 +37,13 @@ pub(crate) fn multilayer_reflectivity<'py>(
 ) -> PyResult<Planes<'py>> {
     let ([wavelength], rows) = together([("wavelength", &wavelength)])?;
     let ([theta], columns) = together([("theta", &theta)])?;
-    let beyond =
-        (0..columns.unwrap_or(1)).map(|column| theta.at(column)).find(|angle| angle.is_nan() || angle.abs() > 90.0);
-    if let Some(angle) = beyond {
-        return Err(refused(format!(
-            "theta is {angle} deg from the normal of the layers; it must be at most 90 in size"
-        )));
+    for column in 0..columns.unwrap_or(1) {
+        let (quantity, found, allowed) =
+            ("theta", theta.at(column), "at most 90 in size, from the normal of the layers");
+        if found.is_nan() || found.abs() > 90.0 {
+            let error = OpticsError::OutOfRange { quantity, found, unit: "deg", allowed };
+            return Err(of_optics(py, &error, columns.map(|_| column)));
+        }
     }
     let stack = stack.map(|stack| stack.stack).unwrap_or_default();
     let (rows, columns) = (rows.unwrap_or(1), columns.unwrap_or(1));
@@ -88,9 +89,10 @@ fn runs(stack: &optics::Stack, wavelengths: &[f64]) -> Result<Vec<(usize, optics
 
 /// What a measurement of scale 1 would read, for each reading.
 ///
-/// wavelength in nm, theta, phi and omega in degrees: arrays [n] or single numbers. polarization is "unpolarized", "s" or
-/// "p". Returns an array [n], dimensionless, or without dimensions if every argument is one number. Raises OpticsError, with
-/// the `index` of the reading, for input out of range.
+/// wavelength in nm, theta, phi and omega in degrees: arrays or single numbers, broadcast as numpy does; arrays [n] are read
+/// without a copy. polarization is "unpolarized", "s" or "p". Returns an array of the common shape, dimensionless. Raises
+/// OpticsError, with the `index` of the element in C order, for input out of range, ValueError for shapes that do not go
+/// together.
 #[pyfunction]
 #[pyo3(signature = (structure, wavelength, theta, phi, omega, *, polarization="unpolarized", model=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
@@ -106,8 +108,8 @@ pub(crate) fn reflectivity<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let sum = |terms: [Contribution; 2]| terms.iter().map(|term| term.intensity).sum::<f64>();
     let columns = [&wavelength, &theta, &phi, &omega];
-    let (found, length) = evaluated(py, structure, columns, polarization, model, &sum)?;
-    array(py, found, length)
+    let (found, shape) = evaluated(py, structure, columns, polarization, model, &sum)?;
+    array(py, found, &shape)
 }
 
 /// The two contributions of reflectivity(): (lamella, multilayer), each with its share of the plane in it.
@@ -128,12 +130,12 @@ pub(crate) fn contributions<'py>(
 ) -> PyResult<Terms<'py>> {
     let both = |terms: [Contribution; 2]| terms.map(|term| term.intensity);
     let columns = [&wavelength, &theta, &phi, &omega];
-    let (found, length) = evaluated(py, structure, columns, polarization, model, &both)?;
-    let column = |term: usize| array(py, found.iter().map(|terms| terms[term]).collect(), length);
+    let (found, shape) = evaluated(py, structure, columns, polarization, model, &both)?;
+    let column = |term: usize| array(py, found.iter().map(|terms| terms[term]).collect(), &shape);
     Ok((column(0)?, column(1)?))
 }
 
-/// `of` the contributions at each reading, in parallel, and the common length.
+/// `of` the contributions at each reading, in parallel, and the shape of the readings.
 fn evaluated<'py, T: Send>(
     py: Python<'py>,
     structure: &Structure,
@@ -141,29 +143,19 @@ fn evaluated<'py, T: Send>(
     polarization: &str,
     model: Option<ModelArgument>,
     of: &(dyn Fn([Contribution; 2]) -> T + Sync),
-) -> PyResult<(Vec<T>, Option<usize>)> {
+) -> PyResult<(Vec<T>, Vec<usize>)> {
     let polarization = words::polarization(polarization)?;
     let model = ModelArgument::model(model, py)?.forward()?;
     let columns = [("wavelength", wavelength), ("theta", theta), ("phi", phi), ("omega", omega)];
-    let ([wavelength, theta, phi, omega], length) = together(columns)?;
+    let (elements, shape) = Elements::of(columns)?;
     let one = |index: usize| -> Result<T, (usize, OpticsError)> {
-        let geometry =
-            Geometry { theta: radians(theta.at(index)), phi: radians(phi.at(index)), omega: radians(omega.at(index)) };
-        terms(model.as_ref(), structure, &geometry, polarization, wavelength.at(index))
-            .map(of)
-            .map_err(|error| (index, error))
+        let [wavelength, theta, phi, omega] = elements.at(index);
+        let geometry = Geometry { theta: radians(theta), phi: radians(phi), omega: radians(omega) };
+        let found = model.contributions(&structure.inside, &geometry, polarization, wavelength);
+        found.map(of).map_err(|error| (index, error))
     };
-    let all = || (0..length.unwrap_or(1)).into_par_iter().with_min_len(SHARE).map(one).collect::<Result<Vec<T>, _>>();
-    let found = py.detach(all).map_err(|(index, error)| of_optics(py, &error, length.map(|_| index)))?;
-    Ok((found, length))
-}
-
-fn terms(
-    model: &dyn ReflectivityModel,
-    structure: &Structure,
-    geometry: &Geometry,
-    polarization: Polarization,
-    wavelength: f64,
-) -> Result<[Contribution; 2], OpticsError> {
-    model.contributions(&structure.inside, geometry, polarization, wavelength)
+    let count = shape.iter().product();
+    let all = || (0..count).into_par_iter().with_min_len(SHARE).map(one).collect::<Result<Vec<T>, _>>();
+    let found = py.detach(all).map_err(|(index, error)| of_optics(py, &error, (!shape.is_empty()).then_some(index)))?;
+    Ok((found, shape))
 }

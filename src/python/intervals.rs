@@ -1,6 +1,6 @@
 //! Intervals beside the covariance: profiles, samples of the posterior, replicates of the bootstrap.
 
-use super::errors::{of_fit, refused};
+use super::errors::{of_fit, unfit};
 use super::patience::patiently;
 use super::settings::Keywords;
 use super::words::choose;
@@ -34,7 +34,7 @@ pub(crate) fn count(name: &str, found: usize) -> PyResult<usize> {
     if COUNTS.contains(&found) {
         Ok(found)
     } else {
-        Err(refused(format!("{name} is {found}; it must be 100 to 100000000")))
+        Err(unfit(format!("{name} is {found}; it must be 100 to 100000000")))
     }
 }
 
@@ -89,7 +89,7 @@ impl Methods {
 
 fn table<'py>(py: Python<'py>, rows: &[Vec<f64>], columns: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let flat = rows.iter().flatten().copied().collect();
-    let shaped = Array2::from_shape_vec((rows.len(), columns), flat).map_err(|error| refused(error.to_string()))?;
+    let shaped = Array2::from_shape_vec((rows.len(), columns), flat).map_err(|error| unfit(error.to_string()))?;
     Ok(shaped.into_pyarray(py))
 }
 

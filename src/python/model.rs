@@ -5,7 +5,8 @@ use super::errors::{of_optics, refused};
 use super::words;
 use crate::inversion::ModelChoice;
 use crate::optics::{self, HybridModel, LamellaUnit, Material, OpticsError, ReflectivityModel};
-use crate::units::radians;
+use crate::units::{degrees, radians};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyComplex, PyComplexMethods};
 use std::sync::Arc;
@@ -25,6 +26,11 @@ impl Cauchy {
     #[new]
     fn new(a: f64, b: f64) -> Self {
         Self { a, b }
+    }
+
+    /// For pickle and copy.
+    fn __getnewargs__(&self) -> (f64, f64) {
+        (self.a, self.b)
     }
 
     fn __repr__(&self) -> String {
@@ -55,16 +61,52 @@ impl IndexTable {
     fn __len__(&self) -> usize {
         self.table.rows().len()
     }
+
+    fn __repr__(&self) -> String {
+        let rows = self.table.rows();
+        let end = |row: Option<&[f64; 3]>| row.map_or(f64::NAN, |row| row[0]);
+        format!("<IndexTable: {} rows, {:?} to {:?} nm>", rows.len(), end(rows.first()), end(rows.last()))
+    }
 }
 
 /// An index as it may be given: a number, a complex number n + ik, a formula or a table.
-#[derive(FromPyObject)]
 pub(crate) enum Index<'py> {
     Cauchy(Cauchy),
     Table(IndexTable),
-    // Before the real one: a complex number of numpy is a number too, without its absorption.
     Complex(Bound<'py, PyComplex>),
     Real(Real),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Index<'py> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(cauchy) = given.extract() {
+            return Ok(Self::Cauchy(cauchy));
+        }
+        if let Ok(table) = given.extract() {
+            return Ok(Self::Table(table));
+        }
+        // Before the real one: a complex number of numpy is a number too, without its absorption.
+        if let Ok(complex) = given.cast::<PyComplex>() {
+            return Ok(Self::Complex(complex.to_owned()));
+        }
+        given.extract().map(Self::Real).map_err(|_| {
+            let kind = given.get_type().name().map(|name| name.to_string()).unwrap_or_default();
+            let needed = "a number, a complex number n + kj, a Cauchy or an IndexTable";
+            PyTypeError::new_err(format!("an index is {needed}, not of the type {kind}"))
+        })
+    }
+}
+
+/// A material as Python writes it.
+fn written(material: &Material) -> String {
+    match material {
+        Material::Constant { n, k } if *k > 0.0 => format!("{n:?}+{k:?}j"),
+        Material::Constant { n, .. } => format!("{n:?}"),
+        Material::Cauchy { a, b } => Cauchy { a: *a, b: *b }.__repr__(),
+        Material::Table(table) => IndexTable { table: table.clone() }.__repr__(),
+    }
 }
 
 impl Index<'_> {
@@ -143,7 +185,11 @@ impl Stack {
     }
 
     fn __repr__(&self) -> String {
-        format!("Stack(layers={}, filling={:?})", self.stack.layers, self.stack.filling)
+        let optics::Stack { ambient, cuticle, gap, base, layers, filling } = &self.stack;
+        let media = [("n_cuticle", cuticle), ("n_gap", gap), ("n_base", base), ("n_ambient", ambient)];
+        let media = media.map(|(name, material)| format!("{name}={}", written(material))).join(", ");
+        let filling = filling.map_or_else(|| "None".to_owned(), |share| format!("{share:?}"));
+        format!("Stack(layers={layers}, {media}, filling={filling})")
     }
 }
 
@@ -174,8 +220,37 @@ impl Averages {
         Ok(Self { averages })
     }
 
+    /// Numerical aperture of illumination and detector.
+    #[getter]
+    fn numerical_aperture(&self) -> f64 {
+        self.averages.numerical_aperture
+    }
+
+    /// Full width at half maximum of the band, nm.
+    #[getter]
+    fn bandwidth(&self) -> f64 {
+        self.averages.bandwidth
+    }
+
+    /// Standard deviation of the period, nm.
+    #[getter]
+    fn period_spread(&self) -> f64 {
+        self.averages.period_spread
+    }
+
+    /// Standard deviation of the tilt, degrees.
+    #[getter]
+    fn tilt_spread(&self) -> f64 {
+        // Without the rounding of the way to radians and back.
+        (degrees(self.averages.tilt_spread) * 1e12).round() / 1e12
+    }
+
     fn __repr__(&self) -> String {
-        format!("{:?}", self.averages)
+        let [aperture, band, period, tilt] =
+            [self.numerical_aperture(), self.bandwidth(), self.period_spread(), self.tilt_spread()];
+        format!(
+            "Averages(numerical_aperture={aperture:?}, bandwidth={band:?}, period_spread={period:?}, tilt_spread={tilt:?})"
+        )
     }
 }
 
@@ -291,8 +366,45 @@ impl Model {
         if self.auto.is_some() { "auto" } else { self.built.name() }
     }
 
+    /// Media and layer count.
+    #[getter(stack)]
+    fn stack_of(&self) -> Stack {
+        Stack { stack: self.stack.clone() }
+    }
+
+    /// What a reading is averaged over.
+    #[getter(averages)]
+    fn averages_of(&self) -> Averages {
+        Averages { averages: self.averages }
+    }
+
+    /// Distance of the ridges of "hybrid", nm; None for the other models.
+    #[getter]
+    fn ridge_spacing(&self) -> Option<f64> {
+        match self.auto.unwrap_or(self.choice) {
+            ModelChoice::Hybrid { ridge_spacing } => Some(ridge_spacing),
+            _ => None,
+        }
+    }
+
     fn __repr__(&self) -> String {
-        format!("Model(\"{}\", layers={})", self.name(), self.stack.layers)
+        let mut parts = vec![format!("\"{}\"", self.name()), format!("stack={}", self.stack_of().__repr__())];
+        if !self.averages.is_none() {
+            parts.push(format!("averages={}", self.averages_of().__repr__()));
+        }
+        match self.choice {
+            ModelChoice::Paper { snell, admittance, lamella_unit } => {
+                parts.push(format!("snell=\"{}\"", words::of_snell(snell)));
+                parts.push(format!("admittance=\"{}\"", words::of_admittance(admittance)));
+                parts.push(match lamella_unit {
+                    LamellaUnit::Peak => "lamella_unit=\"peak\"".to_owned(),
+                    LamellaUnit::Printed { .. } => "lamella_unit=\"printed\"".to_owned(),
+                    LamellaUnit::Reference { width } => format!("lamella_unit={width:?}"),
+                });
+            }
+            _ => parts.extend(self.ridge_spacing().map(|spacing| format!("ridge_spacing={spacing:?}"))),
+        }
+        format!("Model({})", parts.join(", "))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::arrays::{Column, array, together};
 use super::data::{self, Said};
-use super::errors::{of_fit, refused};
+use super::errors::{of_fit, refused, unfit};
 use super::settings::{Keywords, settings};
 use crate::inversion::{self, Parameter};
 use numpy::ndarray::Array2;
@@ -26,10 +26,10 @@ pub(crate) struct Objective {
 impl Objective {
     fn point(&self, point: &Column<'_>) -> PyResult<Vec<f64>> {
         let ([values], length) = together([("point", point)])?;
-        let Some(length) = length else { return Err(refused("point is one number; it must be an array [k]")) };
+        let Some(length) = length else { return Err(unfit("point is one number; it must be an array [k]")) };
         let free = self.inside.free();
         if length != free.len() {
-            return Err(refused(format!("point has {length} elements, but {} parameters are free", free.len())));
+            return Err(unfit(format!("point has {length} elements, but {} parameters are free", free.len())));
         }
         Ok(free.iter().enumerate().map(|(place, parameter)| parameter.inside(values.at(place))).collect())
     }
@@ -95,8 +95,8 @@ impl Objective {
     fn residuals<'py>(&self, py: Python<'py>, point: Column<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let found = self.at(py, &point, |objective, point| Ok(objective.residuals(point)?.data.into()))?;
         let found: Vec<f64> = found;
-        let length = Some(found.len());
-        array(py, found, length)
+        let shape = [found.len()];
+        array(py, found, &shape)
     }
 
     /// Sum of squared residuals at `point` [k].
@@ -129,7 +129,7 @@ impl Objective {
             Ok((jacobian.tr_mul(&residuals), jacobian.tr_mul(&jacobian)))
         })?;
         let count = free.len();
-        let gradient = array(py, gradient.iter().copied().collect(), Some(count))?;
+        let gradient = array(py, gradient.iter().copied().collect(), &[count])?;
         Ok((gradient, grid(py, matrix.iter().copied().collect(), count, count)?))
     }
 

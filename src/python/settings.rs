@@ -1,6 +1,6 @@
 //! The settings of a fit as keywords, which are the flags of the command.
 
-use super::errors::{of_settings, refused};
+use super::errors::{of_settings, unfit};
 use super::model::{Model, ModelArgument};
 use super::words::choose;
 use crate::inversion::{
@@ -8,7 +8,7 @@ use crate::inversion::{
 };
 use crate::optimise::Loss;
 use pyo3::conversion::FromPyObjectOwned;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
@@ -39,8 +39,11 @@ impl<'py> Keywords<'py> {
         value.extract::<T>().map(Some).map_err(|error| {
             let error: PyErr = error.into();
             // What has a type of its own says what is wrong.
-            if error.is_instance_of::<PyTypeError>(value.py()) {
-                PyTypeError::new_err(format!("argument `{name}`: {}", error.value(value.py())))
+            let py = value.py();
+            if error.is_instance_of::<PyTypeError>(py) {
+                PyTypeError::new_err(format!("argument `{name}`: {}", error.value(py)))
+            } else if error.is_instance_of::<PyOverflowError>(py) {
+                unfit(format!("argument `{name}`: {value} is out of range"))
             } else {
                 error
             }
@@ -82,12 +85,12 @@ type Named<T> = BTreeMap<String, T>;
 fn parameter(argument: &str, name: &str) -> PyResult<Parameter> {
     Parameter::from_name(name).ok_or_else(|| {
         let names = Parameter::ALL.map(Parameter::name).join(", ");
-        refused(format!("{argument}: `{name}` is no parameter; there are {names} (or a)"))
+        unfit(format!("{argument}: `{name}` is no parameter; there are {names} (or a)"))
     })
 }
 
 fn finite(argument: &str, value: f64) -> PyResult<f64> {
-    if value.is_finite() { Ok(value) } else { Err(refused(format!("{argument}: {value} is not a finite number"))) }
+    if value.is_finite() { Ok(value) } else { Err(unfit(format!("{argument}: {value} is not a finite number"))) }
 }
 
 /// The model and the settings of the keywords, checked.
@@ -140,7 +143,7 @@ fn roles(settings: &mut FitSettings, keywords: &mut Keywords<'_>) -> PyResult<()
     for (name, ends) in keywords.take::<Named<Vec<f64>>>("bounds")?.unwrap_or_default() {
         let parameter = parameter("bounds", &name)?;
         let ends = <[f64; 2]>::try_from(ends);
-        let [lower, upper] = ends.map_err(|_| refused(format!("bounds of {name}: give two numbers, (low, high)")))?;
+        let [lower, upper] = ends.map_err(|_| unfit(format!("bounds of {name}: give two numbers, (low, high)")))?;
         let (lower, upper) = (finite("bounds", lower)?, finite("bounds", upper)?);
         given.push((
             "bounds",
@@ -158,19 +161,19 @@ fn roles(settings: &mut FitSettings, keywords: &mut Keywords<'_>) -> PyResult<()
     let mut said: [Option<&str>; COUNT] = [None; COUNT];
     for (argument, parameter, role) in given {
         if let Some(earlier) = said[parameter.index()].replace(argument) {
-            return Err(refused(format!("{parameter} is given in {earlier} and in {argument}; leave one of them out")));
+            return Err(unfit(format!("{parameter} is given in {earlier} and in {argument}; leave one of them out")));
         }
         settings.roles[parameter.index()] = role;
     }
     for (name, value) in keywords.take::<Named<f64>>("start")?.unwrap_or_default() {
         let parameter = parameter("start", &name)?;
         if !matches!(settings.roles[parameter.index()], Role::Free { .. }) {
-            return Err(refused(format!("{parameter} is not free; leave its start out")));
+            return Err(unfit(format!("{parameter} is not free; leave its start out")));
         }
         settings.start[parameter.index()] = Some(parameter.inside(finite("start", value)?));
     }
     if Parameter::ALL.iter().all(|parameter| !matches!(settings.roles[parameter.index()], Role::Free { .. })) {
-        return Err(refused("no parameter is free; there is nothing to fit"));
+        return Err(unfit("no parameter is free; there is nothing to fit"));
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use super::errors::of_optics;
 use crate::inversion::{Parameter, structure, values};
 use crate::optics;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 /// The structure of one scale; every argument is in the unit of the command line.
 ///
@@ -126,6 +126,11 @@ impl Structure {
         let made = Self::of(std::array::from_fn(|place| given[place].unwrap_or(self.outside[place])));
         made.inside.validate().map_err(|error| of_optics(py, &error, None))?;
         Ok(made)
+    }
+
+    /// For pickle and copy.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        Ok((PyTuple::empty(py), self.to_dict(py)?))
     }
 
     fn __repr__(&self) -> String {

@@ -19,10 +19,22 @@ pub(crate) fn polarization(word: &str) -> PyResult<Polarization> {
     choose("polarization", word, &words)
 }
 
+const SNELL: [(&str, Snell); 2] = [("right", Snell::Right), ("printed", Snell::Printed)];
+const ADMITTANCE: [(&str, Admittance); 2] =
+    [("mean", Admittance::Mean), ("per-polarization", Admittance::PerPolarization)];
+
 pub(crate) fn snell(word: &str) -> PyResult<Snell> {
-    choose("snell", word, &[("right", Snell::Right), ("printed", Snell::Printed)])
+    choose("snell", word, &SNELL)
 }
 
 pub(crate) fn admittance(word: &str) -> PyResult<Admittance> {
-    choose("admittance", word, &[("mean", Admittance::Mean), ("per-polarization", Admittance::PerPolarization)])
+    choose("admittance", word, &ADMITTANCE)
+}
+
+pub(crate) fn of_snell(snell: Snell) -> &'static str {
+    SNELL.iter().find(|(_, one)| *one == snell).map_or("", |(word, _)| word)
+}
+
+pub(crate) fn of_admittance(admittance: Admittance) -> &'static str {
+    ADMITTANCE.iter().find(|(_, one)| *one == admittance).map_or("", |(word, _)| word)
 }

@@ -1,10 +1,12 @@
 """Colours against definitions, and what a notebook shows."""
 
+import warnings
 from pathlib import Path
 from xml.etree import ElementTree
 
 import morpho_fit
 import numpy as np
+import pytest
 from morpho_fit import Structure
 
 GRID = np.arange(380.0, 781.0, 5.0)
@@ -18,6 +20,17 @@ def test_a_grey_is_its_own_share_of_white() -> None:
         np.testing.assert_allclose(grey.lab[0], [49.4961, 0, 0], atol=1e-4)
         np.testing.assert_allclose(grey.srgb[0], np.full(3, 0.4613561), atol=2e-4)
         assert not grey.outside[0] and grey.step == 5.0
+
+
+def test_a_window_and_per_cent_are_warned_of() -> None:
+    window = np.arange(450.0, 651.0, 10.0)
+    with pytest.warns(UserWarning, match="covers 450 to 650 nm"):
+        morpho_fit.colour(window, np.ones_like(window))
+    with pytest.warns(UserWarning, match="not per cent"):
+        morpho_fit.colour(GRID, np.full_like(GRID, 40.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        morpho_fit.colour(GRID, np.ones_like(GRID))
 
 
 def test_many_spectra_are_each_its_own() -> None:
@@ -47,6 +60,7 @@ def test_what_a_notebook_shows_is_well_formed_and_complete(data: Path) -> None:
         assert name in text
     for sentence in found.to_dict()["identifiability"]["undetermined"]:
         assert sentence in text
+    assert "d_air + d_cuticle" in text
     page = ElementTree.fromstring(found.to_html().removeprefix("<!DOCTYPE html>"))
     assert page.tag.endswith("html")
     assert repr(found).startswith("<FitResult: ")

@@ -66,6 +66,14 @@ def test_a_file_that_is_not_there_is_an_os_error(tmp_path: Path) -> None:
         morpho_fit.fit(tmp_path / "none.csv")
 
 
+def test_the_text_of_a_file_is_read_as_the_file(data: Path) -> None:
+    path = data / "along_ridges.csv"
+    whole, broken = path.read_text(), "wavelength_nm,intensity\nfour,1\n"
+    assert morpho_fit.fit(whole, advise=False).values == morpho_fit.fit(path, advise=False).values
+    with pytest.raises(DataError):
+        morpho_fit.fit(broken)
+
+
 SETTINGS: list[dict[str, Any]] = [
     {"fix": {"d_ai": 3}},
     {"fix": {"d_air": np.nan}},
@@ -91,7 +99,7 @@ SETTINGS: list[dict[str, Any]] = [
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=[str(case) for case in SETTINGS])
 def test_settings_that_cannot_be_are_refused(data: Path, settings: dict[str, Any]) -> None:
-    with pytest.raises(FitError):
+    with pytest.raises(ValueError):
         morpho_fit.fit(data / "along_ridges.csv", **settings)
 
 
@@ -111,6 +119,7 @@ def test_what_the_optics_refuse_has_the_index_of_the_element() -> None:
         lambda: Structure(phi_alpha=np.nan),
         lambda: morpho_fit.reflectivity(Structure.blue(), 450, 95, 0, 90),
         lambda: morpho_fit.multilayer_reflectivity(Structure.blue(), [1.0], [0.0]),
+        lambda: morpho_fit.multilayer_reflectivity(Structure.blue(), [450.0], [0.0, 91.0]),
         lambda: morpho_fit.Averages(numerical_aperture=2),
         lambda: morpho_fit.IndexTable([400, 400], [1.5, 1.5]),
         lambda: Model("hybrid", ridge_spacing=-1),
@@ -122,7 +131,8 @@ def test_what_the_optics_refuse_has_the_index_of_the_element() -> None:
 def test_shapes_and_choices_that_do_not_fit_are_refused() -> None:
     for broken in (
         lambda: morpho_fit.reflectivity(Structure.blue(), [450.0, 460.0], [0.0, 1.0, 2.0], 0, 90),
-        lambda: morpho_fit.reflectivity(Structure.blue(), np.ones((2, 2)), 0, 0, 90),
+        lambda: morpho_fit.reflectivity(Structure.blue(), np.full((2, 2), 450.0), [0.0, 1.0, 2.0], 0, 90),
+        lambda: morpho_fit.multilayer_reflectivity(Structure.blue(), np.full((2, 2), 450.0), 0),
         lambda: morpho_fit.reflectivity(Structure.blue(), 450, 0, 0, 90, model="auto"),
         lambda: Stack(layers=0),
         lambda: Stack(n_cuticle=1.5 - 0.1j),
@@ -132,8 +142,20 @@ def test_shapes_and_choices_that_do_not_fit_are_refused() -> None:
         lambda: morpho_fit.colour(np.arange(380.0, 781.0, 5), np.ones(7)),
         lambda: morpho_fit.sweep("d_oil", [1.0]),  # type: ignore[arg-type]
     ):
-        with pytest.raises(FitError):
+        with pytest.raises(ValueError) as raised:
             broken()
+        assert type(raised.value) is ValueError
+
+
+def test_an_index_of_another_type_says_what_it_may_be() -> None:
+    wrong: Any = "1.56"
+    with pytest.raises(TypeError, match="a Cauchy or an IndexTable, not of the type str"):
+        Stack(n_cuticle=wrong)
+
+
+def test_a_number_too_large_or_negative_names_its_argument(data: Path) -> None:
+    with pytest.raises(FitError, match="argument `seed`: -1 is out of range"):
+        morpho_fit.fit(data / "along_ridges.csv", seed=-1)
 
 
 def test_counts_are_those_of_the_command(data: Path) -> None:

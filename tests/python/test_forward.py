@@ -1,11 +1,12 @@
 """Forward models against closed forms, and how arrays go in and out."""
 
+import pickle
 import tracemalloc
 
 import morpho_fit
 import numpy as np
 import pytest
-from morpho_fit import Cauchy, IndexTable, Model, Stack, Structure
+from morpho_fit import Averages, Cauchy, IndexTable, Model, Stack, Structure
 from numpy.typing import NDArray
 
 WAVELENGTHS: NDArray[np.float64] = np.arange(380.0, 741.0, 10.0)
@@ -145,3 +146,38 @@ def test_a_structure_keeps_its_numbers() -> None:
     assert structure.replace(d_air=121.0).d_air == 121.0 and structure.d_air == 120.1
     assert eval(repr(structure)) == structure
     assert structure.period == 120.1 + 70.2
+
+
+def test_arguments_are_broadcast_as_numpy_does() -> None:
+    theta, omega = np.linspace(-30.0, 30.0, 5), np.array([0.0, 90.0])
+    asked = np.broadcast_arrays(WAVELENGTHS[:, None, None], theta[:, None], omega)
+    expected = [morpho_fit.reflectivity(Structure.blue(), w, t, -4, o) for w, t, o in zip(*map(np.ravel, asked), strict=True)]
+    found = morpho_fit.reflectivity(Structure.blue(), WAVELENGTHS[:, None, None], theta[:, None], -4, omega)
+    assert found.shape == (37, 5, 2)
+    np.testing.assert_array_equal(found.ravel(), expected)
+    assert morpho_fit.reflectivity(Structure.blue(), [450.0], theta, -4, 90).shape == (5,)
+    assert morpho_fit.reflectivity(Structure.blue(), np.ones((0, 3)), 0.0, -4, 90).shape == (0, 3)
+    lamella, multilayer = morpho_fit.contributions(Structure.blue(), WAVELENGTHS[:, None], theta, -4, 45)
+    assert lamella.shape == multilayer.shape == (37, 5)
+
+
+def test_what_is_in_a_model_can_be_read_off_it() -> None:
+    stack = Stack(layers=3, n_cuticle=1.5 + 0.1j, n_base=Cauchy(1.5, 4e3), filling=0.5)
+    assert repr(stack) == (
+        "Stack(layers=3, n_cuticle=1.5+0.1j, n_gap=1.0, n_base=Cauchy(1.5, 4000.0), n_ambient=1.0, filling=0.5)"
+    )
+    assert eval(repr(stack)) == stack
+    averages = Averages(bandwidth=10, tilt_spread=3)
+    assert eval(repr(averages)) == averages and averages.tilt_spread == 3
+    averages = Averages(bandwidth=10)
+    model = Model("hybrid", stack=stack, averages=averages, ridge_spacing=800)
+    assert (model.stack, model.averages, model.ridge_spacing) == (stack, averages, 800)
+    assert repr(eval(repr(model))) == repr(model)
+    paper = Model("paper", admittance="mean", lamella_unit=250)
+    assert repr(eval(repr(paper))) == repr(paper) and paper.ridge_spacing is None
+    assert "2 rows, 400.0 to 500.0 nm" in repr(IndexTable([400, 500], [1.5, 1.5]))
+
+
+def test_structures_and_formulas_are_pickled() -> None:
+    for whole in (Structure(d_air=133.3, delta=1.1), Cauchy(1.5, 4e3)):
+        assert pickle.loads(pickle.dumps(whole)) == whole

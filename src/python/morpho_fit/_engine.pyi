@@ -59,7 +59,7 @@ class _Finding(TypedDict):
     message: str
 
 class DataError(ValueError):
-    """_Data that cannot be used. The place is that of the first of its findings; rows of tables count from 0."""
+    """Data that cannot be used. The place is that of the first of its findings; rows of tables count from 0."""
 
     path: str | None
     line: int | None
@@ -114,6 +114,7 @@ class Structure:
         phi_alpha: float | None = None,
         lamella_width: float | None = None,
     ) -> Structure: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, float]]: ...
 
 @final
 class Cauchy:
@@ -124,6 +125,7 @@ class Cauchy:
     def a(self) -> float: ...
     @property
     def b(self) -> float: ...
+    def __getnewargs__(self) -> tuple[float, float]: ...
 
 @final
 class IndexTable:
@@ -163,6 +165,14 @@ class Averages:
         period_spread: float = 0.0,
         tilt_spread: float = 0.0,
     ) -> Averages: ...
+    @property
+    def numerical_aperture(self) -> float: ...
+    @property
+    def bandwidth(self) -> float: ...
+    @property
+    def period_spread(self) -> float: ...
+    @property
+    def tilt_spread(self) -> float: ...
 
 @final
 class Model:
@@ -181,6 +191,12 @@ class Model:
     ) -> Model: ...
     @property
     def name(self) -> _ModelName: ...
+    @property
+    def stack(self) -> Stack: ...
+    @property
+    def averages(self) -> Averages: ...
+    @property
+    def ridge_spacing(self) -> float | None: ...
 
 def multilayer_reflectivity(
     structure: Structure, wavelength: ArrayLike, theta: ArrayLike, *, stack: Stack | None = None

@@ -75,7 +75,8 @@ pub fn page(outcome: &FitOutcome, file: &str, charts: &[Chart<'_>], swatches: &[
     )
 }
 
-/// The parts of the page that a notebook shows under a cell: verdict, warnings, parameters and what is not determined.
+/// The parts of the page that a notebook shows under a cell: verdict, warnings, parameters, what is not determined, sums of
+/// the thicknesses, and what to measure next.
 ///
 /// - `file`: name of the data, for the reader.
 ///
@@ -86,8 +87,9 @@ pub fn fragment(outcome: &FitOutcome, file: &str) -> String {
     let verdict = element("p", &wording::capitalised(&wording::verdict(outcome)));
     let source = element("p", &format!("{file}: {readings} readings; {program}"));
     let (warnings, undetermined) = (sections::warnings(outcome), sections::undetermined(outcome));
-    let parameters = sections::parameters(outcome);
-    format!("<div class=\"morpho-fit\">\n{verdict}{warnings}{parameters}{undetermined}{source}</div>\n")
+    let (parameters, sums, advice) =
+        (sections::parameters(outcome), sections::sums(outcome), sections::advice(outcome));
+    format!("<div class=\"morpho-fit\">\n{verdict}{warnings}{parameters}{undetermined}{sums}{advice}{source}</div>\n")
 }
 
 fn colours(swatches: &[Swatch]) -> String {
