@@ -1,4 +1,6 @@
-"""The averages over a band, a spread of the period and one of the tilt, against sums over many plane waves in numpy."""
+"""The averages over a band, a cone, a spread of the period and one of the tilt, against sums over many plane waves in numpy."""
+
+from typing import Literal
 
 import morpho_fit
 import numpy as np
@@ -12,6 +14,9 @@ SEED, POINTS = 9, 300
 LIMIT = 1e-3
 # Nodes of the sum and its half width in standard deviations: 6 leave 2e-9 outside.
 NODES, REACH = 4001, 6.0
+# Plane waves of a cone, and how many cones.
+RINGS, SPOKES, CONES = 400, 200, 60
+SEEN: tuple[Literal["s"], Literal["p"]] = ("s", "p")
 WIDTH_OF_HALF_MAXIMUM = 2 * np.sqrt(2 * np.log(2))
 
 
@@ -51,9 +56,37 @@ def largest(kind: str, rng: np.random.Generator) -> float:
     return float(np.max(off))
 
 
+def largest_of_cones(rng: np.random.Generator) -> float:
+    """The same over an evenly filled pupil: sines of the rays to the axis even over a disc. Unpolarized, each ray reads the
+    mean of s and p."""
+    rings, spokes = (np.arange(RINGS) + 0.5) / RINGS, (np.arange(SPOKES) + 0.5) * (2 * np.pi / SPOKES)
+    radius, around = (grid.ravel() for grid in np.meshgrid(np.sqrt(rings), spokes))
+    off = []
+    for _ in range(CONES):
+        air, cuticle, wavelength = rng.uniform(50, 250), rng.uniform(30, 150), rng.uniform(400, 750)
+        aperture, layers = rng.uniform(0.05, 0.9), int(rng.integers(2, 12))
+        theta = rng.uniform(0, 85 - np.degrees(np.arcsin(aperture))) if aperture < 0.8 else 0.0
+        whole = morpho_fit.Model(
+            "blend",
+            stack=morpho_fit.Stack(layers=layers),
+            averages=morpho_fit.Averages(numerical_aperture=aperture),
+        )
+        structure = morpho_fit.Structure(d_air=air, d_cuticle=cuticle, delta=0.0)
+        ours = morpho_fit.reflectivity(structure, wavelength, theta, -theta, 90.0, model=whole)
+        sine, axis = aperture * radius, np.radians(theta)
+        cosine = np.sqrt(1 - sine**2) * np.cos(axis) - sine * np.cos(around) * np.sin(axis)
+        angles, waves = np.arccos(cosine), np.full(cosine.size, wavelength)
+        both = [model.stack(Media(layers), np.full(1, air), np.full(1, cuticle), waves, angles, seen) for seen in SEEN]
+        off.append(abs(float(ours) - float(np.mean(both))))
+    return float(np.max(off))
+
+
 def rows() -> list[Row]:
     rng = np.random.default_rng(SEED)
+    cone = f"numpy, {RINGS * SPOKES} waves"
     return [
+        Row.of(f"averages: aperture, {CONES} points", "`Averages`", cone, largest_of_cones(rng), LIMIT),
+    ] + [
         Row.of(f"averages: {kind}, {POINTS} points", "`Averages`", f"numpy, {NODES} waves", largest(kind, rng), LIMIT)
         for kind in ("bandwidth", "period_spread", "tilt_spread")
     ]

@@ -19,13 +19,18 @@ use crate::units::degrees;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// Rays from the axis of the cone to its edge: so many, and so many times the square of the numerical aperture.
-const RADIAL: [f64; 2] = [8.0, 56.0];
+/// Rays from the axis of the cone to its edge at least, and how many more for each layer and the numerical aperture.
+const RADIAL: [f64; 2] = [8.0, 1.5];
+/// How many more for the square of the numerical aperture, and for that and each layer where this is more: each layer adds to
+/// the path by which oblique rays fall behind. The last is for a cone about the normal, where more rays cost little.
+const BEHIND: [f64; 3] = [56.0, 9.0, 16.0];
+/// Rays from the axis to the edge at most.
+const RINGS: f64 = 512.0;
 /// Rays around half of the cone, whose other half is its mirror image in the plane of incidence: so many, and so many times the
 /// numerical aperture and the sine of incidence.
-const AROUND: [f64; 2] = [16.0, 96.0];
+const AROUND: [f64; 2] = [24.0, 160.0];
 /// Steps over a normal distribution for each `M²` times its relative width.
-const STEPS: f64 = 15.0;
+const STEPS: f64 = 30.0;
 /// Steps at least and at most.
 const FEWEST: usize = 16;
 const MOST: usize = 1024;
@@ -88,8 +93,10 @@ impl Averages {
 pub struct AveragedModel {
     model: Box<dyn ReflectivityModel>,
     averages: Averages,
-    /// Square of the sine of each ring of rays over that of the outermost, with its share.
-    rings: Vec<Node>,
+    /// Square of the sine of each ring of rays over that of the outermost, with its share: of a cone about the normal.
+    about_normal: Vec<Node>,
+    /// The same of any other cone.
+    oblique: Vec<Node>,
 }
 
 /// One plane wave of a reading.
@@ -115,10 +122,9 @@ impl AveragedModel {
         averages.validate()?;
         let tilted = model.join() == Join::Planes || averages.tilt_spread <= 0.0;
         require(tilted, "spread of the tilt of the hybrid model", degrees(averages.tilt_spread), "deg", "0")?;
-        let radial = RADIAL[0] + RADIAL[1] * averages.numerical_aperture * averages.numerical_aperture;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 63")]
-        let rings = even(radial.ceil() as usize);
-        Ok(Self { model, averages, rings })
+        let (layers, aperture) = (model.stack().layers, averages.numerical_aperture);
+        let [about_normal, oblique] = [BEHIND[2], BEHIND[1]].map(|of_layer| rings(layers, aperture, of_layer));
+        Ok(Self { model, averages, about_normal, oblique })
     }
 
     /// Steps over a normal distribution whose width is `relative` to the wavelength or period.
@@ -164,13 +170,13 @@ impl AveragedModel {
                 own_slope: 0.0,
                 share: ring.share,
             };
-            return self.rings.iter().map(beam).collect();
+            return self.about_normal.iter().map(beam).collect();
         }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "16 to 128")]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "32 to 256")]
         let around = (AROUND[0] + AROUND[1] * aperture * angle.sin().abs()).ceil() as usize;
         let around = around.next_power_of_two();
-        let mut beams = Vec::with_capacity(around * self.rings.len());
-        for ring in &self.rings {
+        let mut beams = Vec::with_capacity(around * self.oblique.len());
+        for ring in &self.oblique {
             for step in 0..around {
                 #[allow(clippy::cast_precision_loss, reason = "a few rays")]
                 let (azimuth, share) = (PI * (step as f64 + 0.5) / around as f64, ring.share / around as f64);
@@ -182,6 +188,15 @@ impl AveragedModel {
         }
         beams
     }
+}
+
+/// The rings of a cone of `aperture` that falls on `layers`.
+fn rings(layers: usize, aperture: f64, of_layer: f64) -> Vec<Node> {
+    #[allow(clippy::cast_precision_loss, reason = "a layer count is small")]
+    let layers = layers as f64;
+    let count = RADIAL[0] + RADIAL[1] * layers * aperture + BEHIND[0].max(of_layer * layers) * aperture * aperture;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 512")]
+    even(count.ceil().min(RINGS) as usize)
 }
 
 /// Angle from the layers' normal of the ray of `azimuth` whose angle from the axis has the sine `sine`, and the share of its
