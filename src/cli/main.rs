@@ -39,6 +39,7 @@ fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
         Some(Command::Profile(args)) => commands::fit::run(&args, UncertaintyWord::Profile),
         Some(Command::Bootstrap(args)) => commands::fit::run(&args, UncertaintyWord::Bootstrap),
         Some(Command::Sample(args)) => commands::fit::run(&args, UncertaintyWord::Sample),
+        Some(Command::Constant(args)) => commands::constant::run(&args),
         Some(Command::Check(args)) => commands::check::run(&args),
         Some(Command::Curves(args)) => commands::curves::run(&args),
         Some(Command::Sweep(args)) => commands::sweep::run(&args),

@@ -64,7 +64,21 @@ fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     let name = path.to_string_lossy();
     match nearest(
         &name,
-        &["fit", "profile", "bootstrap", "sample", "check", "curves", "sweep", "paper", "tradeoff", "simulate", "help"],
+        &[
+            "fit",
+            "profile",
+            "bootstrap",
+            "sample",
+            "constant",
+            "check",
+            "curves",
+            "sweep",
+            "table",
+            "paper",
+            "tradeoff",
+            "simulate",
+            "help",
+        ],
     )
     .filter(|_| !name.contains(['.', '/', '\\']))
     {

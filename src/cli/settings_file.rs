@@ -24,6 +24,7 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
         Some(Command::Profile(args)) => ("profile", &args.problem.settings),
         Some(Command::Bootstrap(args)) => ("bootstrap", &args.problem.settings),
         Some(Command::Sample(args)) => ("sample", &args.problem.settings),
+        Some(Command::Constant(args)) => ("constant", &args.problem.settings),
         Some(Command::Check(args)) => ("check", &args.problem.settings),
         Some(
             Command::Simulate(_)

@@ -1,6 +1,7 @@
 //! Results as bytes: `fit.json`, `curves.csv`, the samples behind intervals, tables. Nothing here opens a file.
 
 mod colours;
+mod constant;
 mod curves;
 mod json;
 mod npy;
@@ -11,6 +12,7 @@ mod terms;
 mod tradeoff;
 
 pub use colours::colours_csv;
+pub use constant::{CONSTANT_SCHEMA, constant_csv, constant_json};
 pub use curves::curves_csv;
 pub use json::{fit_json, read_fit_json};
 pub use npy::npy;

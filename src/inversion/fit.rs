@@ -74,6 +74,24 @@ pub enum FitError {
         /// Name of the model.
         model: &'static str,
     },
+    /// A constant that the settings do not have.
+    #[error("{constant} cannot be fitted: {what}")]
+    NoConstant {
+        /// Name of the constant.
+        constant: &'static str,
+        /// Why, in words.
+        what: &'static str,
+    },
+    /// A range without room.
+    #[error("{constant} cannot be fitted from {low} to {high}: the range must rise")]
+    ConstantRange {
+        /// Name of the constant.
+        constant: &'static str,
+        /// Its lower end.
+        low: f64,
+        /// Its upper end.
+        high: f64,
+    },
     /// The model has a finite value nowhere in the bounds.
     #[error("the `{model}` model has no finite value at any start within the bounds")]
     NowhereFinite {

@@ -6,6 +6,7 @@ mod candidates;
 mod choice;
 mod combinations;
 mod compiled;
+mod constant;
 mod design;
 mod estimates;
 mod fit;
@@ -40,6 +41,7 @@ pub use choice::{Choice, ChoiceFound, Criterion, FOLDS, Standing, VariantFound, 
 pub use combinations::Combination;
 #[cfg(feature = "tradeoff")]
 pub(crate) use compiled::Compiled;
+pub use constant::Constant;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
 pub use nuisance::{Extent, Nuisances, Weight};

@@ -2,10 +2,10 @@
 
 use super::atlas::{Atlas, Minimum, atlas_figure};
 use super::corner::{Corner, corner_figure};
-use super::profile::{Profile, ProfileQuantity, profile_figure};
+use super::profile::{PROFILE, Profile, ProfileQuantity, profile_figure};
 use super::trace::{Trace, TraceQuantity, trace_figure};
-use super::{Figure, PlotError};
-use crate::inversion::intervals::{Posterior, Profiles};
+use super::{Figure, LineSeries, Panel, PlotError};
+use crate::inversion::intervals::{ConstantProfile, Posterior, Profiles};
 use crate::inversion::{ChiSquareMap, FitOutcome, MinimumFound, Parameter, Parameters};
 
 /// Minima that a map names.
@@ -44,6 +44,55 @@ pub fn profiles_figure(profiles: &Profiles, title: &str) -> Result<Figure, PlotE
         quantities,
         levels: ["68.3 %", "95 %"].into_iter().map(str::to_owned).zip(levels).collect(),
     })
+}
+
+/// Δchi² against a constant of the model, and the determined parameters at each value of it.
+///
+/// # Errors
+/// Those of [`profile_figure`].
+pub fn constant_figure(found: &ConstantProfile, title: &str) -> Result<Figure, PlotError> {
+    let unit = if found.constant.unit().is_empty() { "1" } else { found.constant.unit() };
+    let name = label(found.constant.name(), unit);
+    let quantity = ProfileQuantity {
+        name: name.clone(),
+        values: found.values.clone(),
+        delta_chi_squared: found.excess.clone(),
+        best: found.best,
+        sigma: None,
+        ends: [found.intervals.interval_68, found.intervals.interval_95].map(|[low, high]| (low, high)).to_vec(),
+    };
+    let mut figure = profile_figure(&Profile {
+        title: title.to_owned(),
+        subtitle: "first: chi² with the constant held and all parameters fitted again; then: where they are then"
+            .to_owned(),
+        quantities: vec![quantity],
+        levels: ["68.3 %", "95 %"].into_iter().map(str::to_owned).zip(found.levels).collect(),
+    })?;
+    let range = figure.panels.first().and_then(|panel| panel.x_range);
+    for parameter in Parameter::ALL {
+        let Some(told) = found.quantities.iter().find(|quantity| quantity.name == parameter.name()) else { continue };
+        let y: Vec<f64> = found.parameters.iter().map(|values| values[parameter.index()]).collect();
+        // What hardly moves is drawn flat: the panel reaches two standard deviations at least.
+        let reach = [told.value - 2.0 * told.sigma_known, told.value + 2.0 * told.sigma_known];
+        let low = y.iter().copied().fold(reach[0], f64::min);
+        let high = y.iter().copied().fold(reach[1], f64::max);
+        let line = LineSeries {
+            name: "parameter".to_owned(),
+            x: found.values.clone(),
+            y,
+            colour: PROFILE,
+            ..LineSeries::default()
+        };
+        figure.panels.push(Panel {
+            x_label: name.clone(),
+            y_label: label(parameter.name(), parameter.unit()),
+            x_range: range,
+            y_range: (low < high).then_some((low, high)),
+            lines: vec![line],
+            ..Panel::default()
+        });
+    }
+    Ok(figure)
 }
 
 /// The posterior of the free parameters in pairs, with the best fit.

@@ -14,7 +14,7 @@ const AIR: f64 = 0.04;
 /// Points on the parabola.
 const PARABOLA: usize = 121;
 
-const PROFILE: usize = 0;
+pub(super) const PROFILE: usize = 0;
 const COVARIANCE: usize = 6;
 const LEVEL_COLOURS: [usize; LEVELS] = [2, 1, 4];
 

@@ -7,6 +7,7 @@
 
 mod arrays;
 mod colour;
+mod constant;
 mod data;
 mod errors;
 mod fit;
@@ -25,6 +26,8 @@ mod words;
 mod engine {
     #[pymodule_export]
     use super::colour::{Colours, colour, sweep};
+    #[pymodule_export]
+    use super::constant::fit_constant;
     #[pymodule_export]
     use super::errors::{DataError, FitError, OpticsError};
     #[pymodule_export]

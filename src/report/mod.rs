@@ -1,6 +1,7 @@
 //! Results in words: the one-screen report, the page `report.html`, the captions of plots, the sentences of the verdict.
 
 mod choice;
+pub mod constant;
 mod digits;
 pub mod html;
 pub mod paper;

@@ -153,3 +153,17 @@ def test_what_is_the_same_for_all_may_be_a_keyword(data: Path) -> None:
     assert without_file(morpho_fit.fit(renamed, omega=90, intensity_column="R")) == expected
     noted = morpho_fit.fit(frame.assign(operator="me")).to_dict()["data"]["notes"]
     assert any("`operator` is not used" in note for note in noted)
+
+
+def test_a_constant_is_fitted_as_by_the_command(command: Path, data: Path, tmp_path: Path) -> None:
+    path, out = data / "along_ridges.csv", tmp_path / "out"
+    arguments = ["constant", path, "--vary", "n_cuticle=1.5:1.6", "--fix", "delta=2.5", "--no-plots", "--quiet", "--out", out]
+    subprocess.run([command, *arguments], check=True)
+    found = morpho_fit.fit_constant(path, "n_cuticle", 1.5, 1.6, fix={"delta": 2.5})
+    expected = json.loads((out / "constant.json").read_text())
+    expected["fit"]["data"]["sha256"] = found["fit"]["data"]["sha256"]
+    assert found == expected
+    with pytest.raises(ValueError, match="constant is"):
+        morpho_fit.fit_constant(path, "n_glass", 1, 2)  # type: ignore[arg-type]
+    with pytest.raises(morpho_fit.FitError, match="for one model"):
+        morpho_fit.fit_constant(path, "n_cuticle", 1.5, 1.6, model="auto")

@@ -1,6 +1,7 @@
 //! The command line as clap reads it. Help texts are sentences with units and defaults.
 #![allow(clippy::doc_markdown, reason = "the comments are help texts, which a terminal shows as they are")]
 
+mod constant;
 mod drawing;
 mod measurement;
 mod problem;
@@ -10,6 +11,7 @@ mod table;
 mod tradeoff;
 mod words;
 
+pub(crate) use constant::ConstantArgs;
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;
 pub(crate) use problem::{AverageArgs, LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
@@ -68,6 +70,10 @@ pub(crate) enum Command {
     /// Fit, and sample the posterior by Markov chain Monte Carlo: posterior.csv, corner.svg, trace.svg.
     #[command(after_help = EXIT_CODES, args_override_self = true)]
     Sample(FitArgs),
+    /// Fit with one constant of the model fitted too, such as the index of the cuticle or the spread of the period, and say how
+    /// wide that makes the other intervals: constant.json, constant.csv, constant.svg.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Constant(ConstantArgs),
     /// Validate a CSV file and tell what its design of measurement can identify, before fitting.
     #[command(args_override_self = true)]
     Check(CheckArgs),

@@ -1,6 +1,7 @@
 //! One file for each word of the command line, each with one `run`.
 
 pub(crate) mod check;
+pub(crate) mod constant;
 pub(crate) mod curves;
 pub(crate) mod fit;
 mod intervals;

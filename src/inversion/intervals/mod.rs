@@ -5,11 +5,13 @@
 
 mod bootstrap;
 mod compare;
+mod constant;
 mod posterior;
 mod profile;
 
 pub use bootstrap::{Bootstrap, BootstrapSettings, Resampling, bootstrap};
 pub use compare::{BootstrapFound, IntervalsFound, Method, MethodIntervals, PosteriorFound, UncertaintyFound, compare};
+pub use constant::{ConstantProfile, QuantityOver, over_constant};
 pub use posterior::{Posterior, PosteriorSettings, posterior};
 pub use profile::{Profiles, QuantityProfile, profiles};
 

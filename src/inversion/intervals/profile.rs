@@ -166,7 +166,7 @@ impl Task<'_> {
 }
 
 /// The lowest of the minima that the starts lead to, the first `neighbours` of which are of one basin.
-fn lowest(problem: &Problem<'_>, starts: &[DVector<f64>], neighbours: usize) -> Option<Conditional> {
+pub(super) fn lowest(problem: &Problem<'_>, starts: &[DVector<f64>], neighbours: usize) -> Option<Conditional> {
     if problem.bounds().is_empty() {
         let sum_of_squares = problem.residuals(&DVector::zeros(0)).norm_squared();
         return Some(Conditional { sum_of_squares, others: DVector::zeros(0) });

@@ -26,6 +26,7 @@ __all__ = [
     "colour",
     "contributions",
     "fit",
+    "fit_constant",
     "multilayer_reflectivity",
     "reflectivity",
     "sweep",
@@ -258,6 +259,24 @@ class _Settings(_ProblemSettings, total=False):
     advise: bool | None
 
 def fit(data: _Data, **settings: Unpack[_Settings]) -> FitResult: ...
+def fit_constant(
+    data: _Data,
+    constant: Literal[
+        "n_cuticle",
+        "k_cuticle",
+        "n_gap",
+        "n_base",
+        "filling",
+        "ridge_spacing",
+        "numerical_aperture",
+        "bandwidth",
+        "period_spread",
+        "tilt_spread",
+    ],
+    low: float,
+    high: float,
+    **settings: Unpack[_ProblemSettings],
+) -> dict[str, Any]: ...
 @final
 class FitResult:
     """The result of a fit."""
