@@ -157,7 +157,7 @@ def test_what_is_the_same_for_all_may_be_a_keyword(data: Path) -> None:
 
 def test_a_constant_is_fitted_as_by_the_command(command: Path, data: Path, tmp_path: Path) -> None:
     path, out = data / "along_ridges.csv", tmp_path / "out"
-    arguments = ["constant", path, "--vary", "n_cuticle=1.5:1.6", "--fix", "delta=2.5", "--no-plots", "--quiet", "--out", out]
+    arguments = ["constant", str(path), "--vary", "n_cuticle=1.5:1.6", "--fix", "delta=2.5", "--no-plots", "--quiet", "--out", str(out)]
     subprocess.run([command, *arguments], check=True)
     found = morpho_fit.fit_constant(path, "n_cuticle", 1.5, 1.6, fix={"delta": 2.5})
     expected = json.loads((out / "constant.json").read_text())
