@@ -94,6 +94,25 @@ fn exact_kernels_are_exact_and_the_mean_admittance_is_off_as_known() {
     }
 }
 
+/// Nothing is lost without nothing, chitin's dispersion is small beside a k of 0.06, and a tilt, which moves a fringe by the tangent
+/// of the incidence, is next to nothing at the normal.
+#[test]
+fn options_are_told_by_what_is_lost_without_them() {
+    let sheets = quick(&[Study::Option]);
+    let diagram = &sheets[0].diagrams[0];
+    let lost = |method: &str, angle: &str| diagram.point(method, angle).unwrap().y;
+    assert_eq!(diagram.series.len(), 8);
+    for angle in ["0°", "20°", "40°", "60°"] {
+        assert!(lost("plane waves, equal layers", angle) < 1e-9);
+        assert!(lost("dispersion of chitin", angle) > 0.0);
+        assert!(lost("dispersion of chitin", angle) < lost("absorption k 0.06", angle));
+    }
+    assert!(lost("tilt spread 3°", "0°") < 0.1 * lost("tilt spread 3°", "60°"));
+    assert!(
+        diagram.series.iter().all(|series| series.points.iter().all(|point| point.y.is_finite() && point.x >= 0.0))
+    );
+}
+
 #[test]
 fn derivatives_have_the_errors_of_their_order() {
     let sheets = quick(&[Study::Derivative]);

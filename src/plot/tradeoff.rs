@@ -43,6 +43,7 @@ pub fn heading(study: Study) -> &'static str {
     match study {
         Study::Stability => "Stability: what each form makes of hard input",
         Study::Forward => "Forward models: error against time, lower and further left is better",
+        Study::Option => "Options of the model: the colour that is lost without each, over its time",
         Study::Average => "Averages over what varies: error against time by the number of nodes",
         Study::Derivative => "Derivatives: error against time, lower and further left is better",
         Study::Solver => "Solvers: share of known problems solved within a time",

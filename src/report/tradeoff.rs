@@ -18,6 +18,7 @@ pub fn conclusions(sheet: &Sheet) -> Vec<String> {
     match sheet.study {
         Study::Stability => sheet.maps.iter().map(of_map).collect(),
         Study::Forward => forward(sheet),
+        Study::Option => sheet.diagrams.iter().map(options).collect(),
         Study::Average => sheet.diagrams.get(1).map_or(Vec::new(), averages),
         Study::Derivative => sheet.diagrams.iter().flat_map(derivative).collect(),
         Study::Solver => sheet.diagrams.iter().flat_map(solver).chain([JUDGE.to_owned()]).collect(),
@@ -104,6 +105,25 @@ fn forward(sheet: &Sheet) -> Vec<String> {
         ));
     }
     found
+}
+
+fn options(diagram: &Diagram) -> String {
+    let Some((plain, rest)) = diagram.series.split_first() else { return String::new() };
+    let time = |series: &Series| series.points.first().map_or(f64::NAN, |point| point.x);
+    let told = rest.iter().map(|series| {
+        let (least, most) = series
+            .points
+            .iter()
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), point| (least.min(point.y), most.max(point.y)));
+        format!("{} {}x, ΔE₀₀ {} to {}", series.method, short(time(series) / time(plain)), short(least), short(most))
+    });
+    let told: Vec<String> = told.collect();
+    format!(
+        "Time of a reading over that of {} ({:.0} ns), and the colour that is lost without: {}.",
+        plain.method,
+        time(plain),
+        told.join("; ")
+    )
 }
 
 fn averages(by_colour: &Diagram) -> Vec<String> {

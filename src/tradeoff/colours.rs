@@ -11,6 +11,11 @@ impl Eye {
         Integration::new(wavelengths, Observer::Cie1931, &Illuminant::D65).map(Self)
     }
 
+    /// Luminance of a spectrum, that of its grid's own white being 1.
+    pub(crate) fn luminance(&self, spectrum: &[f64]) -> Result<f64, ColourError> {
+        Ok(self.0.xyz(spectrum)?.y / self.0.white().y)
+    }
+
     /// CIELAB of a spectrum, its grid's own white being white.
     pub(crate) fn lab(&self, spectrum: &[f64]) -> Result<Lab, ColourError> {
         Lab::new(self.0.xyz(spectrum)?, self.0.white())

@@ -4,7 +4,7 @@
 //! that the caller hands in (the library has none), the methods in turn so that noise of the machine hits all alike. All work
 //! is done by one thread.
 //!
-//! Seven studies: [`Study`]. Each gives diagrams of points ([`Diagram`]), the stability map tables of words ([`Map`]).
+//! Eight studies: [`Study`]. Each gives diagrams of points ([`Diagram`]), the stability map tables of words ([`Map`]).
 
 mod averages;
 mod colours;
@@ -12,6 +12,7 @@ mod complex_step;
 mod derivatives;
 mod forward;
 mod naive;
+mod options;
 mod solvers;
 mod stability;
 mod table;
@@ -38,6 +39,8 @@ pub enum Study {
     Stability,
     /// Forward models and their kernels.
     Forward,
+    /// Options of the model: what each costs, and what leaving it out costs.
+    Option,
     /// Averages over layer thickness and over a cone of incidence.
     Average,
     /// Derivatives of the model by its five parameters.
@@ -52,8 +55,16 @@ pub enum Study {
 
 impl Study {
     /// All, in the order in which they are done.
-    pub const ALL: [Self; 7] =
-        [Self::Stability, Self::Forward, Self::Average, Self::Derivative, Self::Solver, Self::Wavelength, Self::Table];
+    pub const ALL: [Self; 8] = [
+        Self::Stability,
+        Self::Forward,
+        Self::Option,
+        Self::Average,
+        Self::Derivative,
+        Self::Solver,
+        Self::Wavelength,
+        Self::Table,
+    ];
 
     /// The word for the command line, and the name of the study's files.
     #[must_use]
@@ -61,6 +72,7 @@ impl Study {
         match self {
             Self::Stability => "stability",
             Self::Forward => "forward",
+            Self::Option => "option",
             Self::Average => "average",
             Self::Derivative => "derivative",
             Self::Solver => "solver",
@@ -213,6 +225,7 @@ pub fn measure(
         let (diagrams, maps) = match study {
             Study::Stability => (Vec::new(), stability::maps(settings)?),
             Study::Forward => (forward::diagrams(settings, clock)?, Vec::new()),
+            Study::Option => (vec![options::diagram(settings, clock)?], Vec::new()),
             Study::Average => (averages::diagrams(settings, clock)?, Vec::new()),
             Study::Derivative => (vec![derivatives::diagram(settings, clock)?], Vec::new()),
             Study::Solver => (solvers::diagrams(settings, clock, progress)?, Vec::new()),
