@@ -2,6 +2,7 @@
 
 mod colours;
 mod curves;
+mod image;
 mod json;
 mod npy;
 mod samples;
@@ -12,6 +13,7 @@ mod tradeoff;
 
 pub use colours::colours_csv;
 pub use curves::curves_csv;
+pub use image::{Pixels, animated_png, png, png16};
 pub use json::{fit_json, read_fit_json};
 pub use npy::npy;
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
@@ -46,6 +48,9 @@ pub enum ExportError {
         /// Number of values.
         values: usize,
     },
+    /// The PNG writer failed: a picture without pixels, or with too few or too many bytes.
+    #[error("the picture cannot be written as PNG")]
+    Png(#[from] ::png::EncodingError),
     /// The CSV writer failed.
     #[error("the table cannot be written as CSV")]
     Csv(#[from] csv::Error),

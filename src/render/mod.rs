@@ -1,0 +1,39 @@
+//! Pictures of a wing: a square with relief, ridges that turn over it and a mask, lit by the sun (the paper's Fig. 15).
+//!
+//! ```text
+//! XYZ(pixel) = mean over its samples of  coverage · cos_i · (share · pi · sum_λ w(λ) f(λ; w_i, w_o) + base)
+//! f = [R(λ, v) · sinc²(k a u_x / 2) / λ] · shape(w_i, w_o),   w = illuminant · observer
+//! ```
+//!
+//! f is the BRDF of [`HybridModel`](crate::optics::HybridModel). Only the bracket depends on the wavelength, and only through
+//! `v` and `|u_x|`: the colour of any pair of directions is a table of two axes ([`ColourLookup`]) times an exact factor, so a
+//! picture costs the same for any number of wavelengths. A white diffuser turned to the sun has Y = 1.
+//!
+//! [`Scene`] says where sun and camera are, [`Maps`] what lies on the square, [`default_maps`] makes a butterfly, [`trace`] takes
+//! the picture, [`Picture::bytes`] shows it on a display. Relief turns normals and neither hides nor shades: a vertical sun
+//! shades nothing, and what it hides from the camera is measured in `tests/render_relief.rs`.
+//!
+//! Left out: light that is scattered twice, the sky, the thickness of the wing, transmitted light and depth of field.
+
+mod base;
+mod colours;
+mod error;
+mod frames;
+mod generate;
+mod image;
+mod maps;
+mod outline;
+mod raster;
+mod scene;
+mod trace;
+
+pub use base::BROWN;
+pub use colours::{ColourLookup, LookupError, Seen};
+pub use error::RenderError;
+pub use frames::{Turning, turned};
+pub use generate::{Wing, default_maps};
+pub use image::{Background, exposure};
+pub use maps::{GapMap, Maps, Surface};
+pub use raster::{MOST_PIXELS, MOST_SIDE, Raster};
+pub use scene::{CAMERA_DISTANCE, FIELD_OF_VIEW, HALF_SIDE, Scene};
+pub use trace::{Picture, trace};
