@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let colours = ColourLookup::new(&HybridModel::default(), &blue, [blue.d_air; 2], &seen, 0.5)?;
     println!("{:?} nodes, ΔE₀₀ {:.3} at worst", colours.nodes(), colours.error().worst);
 
-    let maps = default_maps(&Wing { size: 1024, base: 0.03, gap: blue.d_air, gap_spread: 0.0 })?;
+    let maps = default_maps(&Wing { size: (1024, 1024), base: 0.03, gap: blue.d_air, gap_spread: 0.0 })?;
     let surface = Surface::new(&maps, Wing::RELIEF, blue.d_air)?;
     let scene = Scene::vertical_sun(view.to_radians());
     let picture = trace(&surface, &colours, &scene, (1024, 768), 4, integration.white())?;

@@ -24,7 +24,11 @@ impl Pixels {
         let width = pictures.first()?.width;
         let fits = pictures.iter().all(|picture| picture.width == width);
         let height = pictures.iter().map(|picture| picture.height).sum();
-        fits.then(|| Self { width, height, bytes: pictures.iter().flat_map(|picture| &picture.bytes).copied().collect() })
+        fits.then(|| Self {
+            width,
+            height,
+            bytes: pictures.iter().flat_map(|picture| &picture.bytes).copied().collect(),
+        })
     }
 
     fn side(side: usize) -> u32 {
@@ -44,7 +48,10 @@ impl Pixels {
     fn packed(&self) -> (png::ColorType, Vec<u8>) {
         let pixels = self.bytes.as_chunks::<4>().0;
         if pixels.iter().all(|pixel| pixel[3] == u8::MAX) {
-            return (png::ColorType::Rgb, pixels.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect());
+            return (
+                png::ColorType::Rgb,
+                pixels.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect(),
+            );
         }
         (png::ColorType::Rgba, self.bytes.clone())
     }

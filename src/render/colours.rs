@@ -24,6 +24,8 @@ const MOST_NODES: usize = 1 << 23;
 const OF_ONE_AXIS: f64 = 0.5;
 /// Random directions that the finished table is judged at.
 const JUDGED: usize = 4096;
+/// Random directions whose spectra choose the wavelengths.
+const PROBES: usize = 400;
 /// Seed of these directions.
 const SEED: u64 = 1;
 
@@ -53,7 +55,8 @@ pub struct LookupError {
 /// pi f -> XYZ = shape(w_i, w_o) · T(d_air, v, |u_x|),   T = pi sum_λ w(λ) R(λ, v) sinc²(k a u_x / 2) / λ
 /// ```
 ///
-/// T is linear between regular nodes, as many as a tolerance needs; the shape is exact.
+/// T is linear in the gap, in `sqrt(v / 2)` and in `|u_x|` between regular nodes, as many as a tolerance needs; the shape is exact.
+/// Near `v = 0` the light grazes the layers and R rises steeply to 1: the root puts more nodes there.
 ///
 /// ```
 /// use morpho_fit::colorimetry::{Illuminant, Integration, Observer};
@@ -98,7 +101,7 @@ impl ColourLookup {
             let quantity = "the tolerance, ΔE₀₀,";
             return Err(RenderError::OutOfRange { quantity, found: tolerance, allowed: "above 0" });
         }
-        let spectra = Spectra::new(model, structure, gaps, seen)?;
+        let spectra = Spectra::new(model, structure, gaps, seen.wavelengths)?.weighted_by(seen.integration)?;
         let mut intervals = [if gaps[1] > gaps[0] { FIRST_GAPS } else { 0 }, FIRST, FIRST];
         loop {
             let mut table = spectra.table(intervals)?;
@@ -136,6 +139,32 @@ impl ColourLookup {
         self.interpolated(gap, pair.v, pair.u_x.abs()).map(|value| shape * f64::from(value))
     }
 
+    /// Spectra of random pairs of directions and gaps, by 1 nm ([`Wavelengths::finest`]), the brightest value among them being
+    /// 1: what [`Sampling::coarsest`](crate::sweep::Sampling::coarsest) chooses the wavelengths by.
+    ///
+    /// # Shape
+    /// `[spectrum][401]`.
+    ///
+    /// # Errors
+    /// As [`ColourLookup::new`].
+    pub fn probes(
+        model: &dyn ReflectivityModel,
+        structure: &Structure,
+        gaps: [f64; 2],
+    ) -> Result<Vec<Vec<f64>>, RenderError> {
+        let spectra = Spectra::new(model, structure, gaps, &Wavelengths::finest())?;
+        let mut found = Vec::with_capacity(PROBES);
+        for [gap, v, u] in spectra.random(PROBES) {
+            let reflectivity = spectra.reflectivity(gap, v)?;
+            found.push(
+                reflectivity.iter().zip(spectra.slits(u)).map(|(value, slit)| value * slit).collect::<Vec<f64>>(),
+            );
+        }
+        let brightest = found.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
+        found.iter_mut().flatten().for_each(|value| *value /= brightest);
+        Ok(found)
+    }
+
     /// Nodes of the gap, of `v` and of `|u_x|`.
     #[must_use]
     pub fn nodes(&self) -> [usize; 3] {
@@ -157,7 +186,7 @@ impl ColourLookup {
     #[inline]
     fn interpolated(&self, gap: f64, v: f64, u: f64) -> [f32; 3] {
         let [gaps, rows, columns] = self.nodes;
-        let (row, down) = place(v, self.scale[1], rows);
+        let (row, down) = place((0.5 * v).sqrt(), self.scale[1], rows);
         let (column, right) = place(u, self.scale[2], columns);
         let plane = |plane: usize| {
             let first = (plane * rows + row) * columns + column;
@@ -222,7 +251,7 @@ impl<'a> Spectra<'a> {
         model: &'a dyn ReflectivityModel,
         structure: &Structure,
         gaps: [f64; 2],
-        seen: &Seen<'_>,
+        wavelengths: &Wavelengths,
     ) -> Result<Self, RenderError> {
         model.validate()?;
         let Join::Product { ridge_spacing } = model.join() else {
@@ -236,23 +265,41 @@ impl<'a> Spectra<'a> {
             return Err(RenderError::OutOfRange { quantity, found: gaps[0], allowed: "at most the last gap" });
         }
         require_narrow(structure, ridge_spacing)?;
-        let wavelengths: Vec<f64> = seen.wavelengths.iter().collect();
+        let wavelengths: Vec<f64> = wavelengths.iter().collect();
         let mut media =
             wavelengths.iter().map(|&wavelength| model.stack().media(wavelength)).collect::<Result<Vec<_>, _>>()?;
         let ambient = media.iter().map(|media| media.wavelength / media.ambient).collect();
         Media::join(&mut media);
-        let white = seen.integration.white();
-        let mut weights = seen.integration.relative_weights();
-        if weights[0].len() != wavelengths.len() {
-            let (wavelengths, found) = (weights[0].len(), wavelengths.len());
-            return Err(ColourError::Length { wavelengths, found }.into());
-        }
-        for (weights, white) in weights.iter_mut().zip(white.to_array()) {
-            weights.iter_mut().for_each(|weight| *weight *= PI * white);
-        }
         let wavenumbers = wavelengths.iter().map(|wavelength| TAU / wavelength).collect();
         let shape = Shape::of(structure, ridge_spacing);
+        let (weights, white) = Default::default();
         Ok(Self { model, structure: *structure, gaps, shape, media, wavenumbers, ambient, weights, white })
+    }
+
+    fn weighted_by(mut self, integration: &Integration) -> Result<Self, ColourError> {
+        self.white = integration.white();
+        self.weights = integration.relative_weights();
+        let (wavelengths, found) = (integration.wavelengths(), self.wavenumbers.len());
+        if wavelengths != found {
+            return Err(ColourError::Length { wavelengths, found });
+        }
+        for (weights, white) in self.weights.iter_mut().zip(self.white.to_array()) {
+            weights.iter_mut().for_each(|weight| *weight *= PI * white);
+        }
+        Ok(self)
+    }
+
+    /// Gaps, `v` and `|u_x|` by chance, of unit vectors.
+    fn random(&self, count: usize) -> Vec<[f64; 3]> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
+        let mut found = Vec::with_capacity(count);
+        while found.len() < count {
+            let [gap, v, u] = std::array::from_fn(|_| random.random::<f64>());
+            if u * u + v * v <= 1.0 {
+                found.push([self.gaps[0] + gap * (self.gaps[1] - self.gaps[0]), FARTHEST * v, FARTHEST * u]);
+            }
+        }
+        found
     }
 
     /// Values at regular nodes, in parallel; the same bits on any number of threads.
@@ -264,7 +311,7 @@ impl<'a> Spectra<'a> {
         let mut values = vec![[0.0; 4]; gaps * rows * columns];
         values.par_chunks_mut(columns).enumerate().try_for_each(|(row, out)| {
             let gap = self.gaps[0] + part(row / rows, intervals[0]) * (self.gaps[1] - self.gaps[0]);
-            let weighted = self.weighted(gap, part(row % rows, intervals[1]) * FARTHEST)?;
+            let weighted = self.weighted(gap, layers_cosine(part(row % rows, intervals[1])))?;
             for (out, slits) in out.iter_mut().zip(&slits) {
                 let [x, y, z] = sums(&weighted, slits).map(single);
                 *out = [x, y, z, 0.0];
@@ -273,20 +320,24 @@ impl<'a> Spectra<'a> {
         })?;
         let range = self.gaps[1] - self.gaps[0];
         let per = |count: usize, length: f64| if length > 0.0 { single(whole(count) / length) } else { 0.0 };
-        let scale = [per(intervals[0], range), per(intervals[1], FARTHEST), per(intervals[2], FARTHEST)];
+        let scale = [per(intervals[0], range), per(intervals[1], 1.0), per(intervals[2], FARTHEST)];
         let error = LookupError { worst: f64::INFINITY, mean: f64::INFINITY, compared: 0 };
         Ok(ColourLookup { shape: self.shape, gaps: self.gaps, nodes, scale, values, error })
     }
 
-    /// R at every wavelength times the weights.
-    fn weighted(&self, gap: f64, v: f64) -> Result<[Vec<f64>; 3], OpticsError> {
+    /// R at every wavelength.
+    fn reflectivity(&self, gap: f64, v: f64) -> Result<Vec<f64>, OpticsError> {
         let mut both = vec![SAndP::default(); self.wavenumbers.len()];
         let period = Period::of(&Structure { d_air: gap, ..self.structure });
         self.model.stack_reflectivities(&self.media, &self.wavenumbers, period, layer_angle(v), &mut both)?;
         let (s, p) = Polarization::Unpolarized.shares();
-        Ok(self.weights.each_ref().map(|weights| {
-            weights.iter().zip(&both).map(|(weight, both)| weight * (s * both.s + p * both.p)).collect()
-        }))
+        Ok(both.iter().map(|both| s * both.s + p * both.p).collect())
+    }
+
+    /// The same times the weights.
+    fn weighted(&self, gap: f64, v: f64) -> Result<[Vec<f64>; 3], OpticsError> {
+        let reflectivity = self.reflectivity(gap, v)?;
+        Ok(self.weights.each_ref().map(|weights| weights.iter().zip(&reflectivity).map(|(a, b)| a * b).collect()))
     }
 
     /// The part of the lamellae at every wavelength.
@@ -298,7 +349,7 @@ impl<'a> Spectra<'a> {
     /// Largest difference halfway between the nodes of one axis, at the nodes of the others.
     fn midpoints(&self, table: &ColourLookup, axis: usize) -> Result<f64, RenderError> {
         let counts = [0, 1, 2].map(|other| table.nodes[other] - usize::from(other == axis));
-        let ends = [self.gaps, [0.0, FARTHEST], [0.0, FARTHEST]];
+        let ends = [self.gaps, [0.0, 1.0], [0.0, FARTHEST]];
         let at = |other: usize, index: usize| {
             let shift = if other == axis { 0.5 } else { 0.0 };
             let share = (whole(index) + shift) / whole((table.nodes[other] - 1).max(1));
@@ -307,7 +358,7 @@ impl<'a> Spectra<'a> {
         let slits: Vec<Vec<f64>> = (0..counts[2]).map(|column| self.slits(at(2, column))).collect();
         let scale = self.brightest(table);
         let rows = (0..counts[0] * counts[1]).into_par_iter().map(|row| {
-            let (gap, v) = (at(0, row / counts[1]), at(1, row % counts[1]));
+            let (gap, v) = (at(0, row / counts[1]), layers_cosine(at(1, row % counts[1])));
             let weighted = self.weighted(gap, v)?;
             let mut worst = 0.0_f64;
             for (column, slits) in slits.iter().enumerate() {
@@ -325,15 +376,7 @@ impl<'a> Spectra<'a> {
 
     /// Differences in random directions.
     fn judged(&self, table: &ColourLookup) -> Result<LookupError, RenderError> {
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
-        let scale = self.brightest(table);
-        let mut seen = Vec::with_capacity(JUDGED);
-        while seen.len() < JUDGED {
-            let [gap, v, u] = std::array::from_fn(|_| random.random::<f64>());
-            if u * u + v * v <= 1.0 {
-                seen.push([self.gaps[0] + gap * (self.gaps[1] - self.gaps[0]), FARTHEST * v, FARTHEST * u]);
-            }
-        }
+        let (scale, seen) = (self.brightest(table), self.random(JUDGED));
         let one = |&[gap, v, u]: &[f64; 3]| {
             let right = sums(&self.weighted(gap, v)?, &self.slits(u));
             self.difference(right, table.interpolated(gap, v, u).map(f64::from), scale)
@@ -357,6 +400,11 @@ impl<'a> Spectra<'a> {
 
 fn sums(weighted: &[Vec<f64>; 3], slits: &[f64]) -> [f64; 3] {
     weighted.each_ref().map(|weighted| dot(weighted, slits))
+}
+
+/// `v` at a place on its axis.
+fn layers_cosine(place: f64) -> f64 {
+    FARTHEST * place * place
 }
 
 /// Node `index` as a part of the axis.

@@ -16,8 +16,8 @@ use std::f64::consts::{PI, TAU};
 /// The butterfly that [`default_maps`] draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wing {
-    /// Pixels of the maps each way.
-    pub size: usize,
+    /// Width and height of the maps, pixels.
+    pub size: (usize, usize),
     /// Reflectance of the brown base, 0 to 1.
     pub base: f64,
     /// Mean gap, nm.
@@ -29,6 +29,20 @@ pub struct Wing {
 impl Wing {
     /// Height of a displacement of 1 that the relief is drawn for, in sides of the square.
     pub const RELIEF: f64 = 0.04;
+
+    fn validate(&self) -> Result<(), RenderError> {
+        let Self { size: (width, height), base, gap, gap_spread } = *self;
+        raster::size(width, height)?;
+        for (quantity, found, most, allowed) in [
+            ("the reflectance of the base", base, 1.0, "0 to 1"),
+            ("the spread of the gap, nm,", gap_spread, gap / ENDS, "0 to 0.4 of the gap"),
+        ] {
+            if !(0.0..=most).contains(&found) {
+                return Err(RenderError::OutOfRange { quantity, found, allowed });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Standard deviations from the mean at which the range of gaps ends.
@@ -46,12 +60,12 @@ const VEIN_HEIGHT: f64 = 0.0025;
 const FOLD: f64 = 0.004;
 /// Distance and height of the fine corrugations, half sides.
 const CORRUGATION: f64 = 0.016;
-const FINE: f64 = 0.000_22;
+const FINE: f64 = 0.000_17;
 /// Heights of unevenness over a wing, and of single scales, half sides.
-const UNEVEN: f64 = 0.0022;
-const ROUGH: f64 = 0.000_14;
+const UNEVEN: f64 = 0.0012;
+const ROUGH: f64 = 0.000_22;
 /// How far a wing is bent down at its edges, half sides at a distance of 1.
-const CAMBER: f64 = 0.06;
+const CAMBER: f64 = 0.035;
 /// Height of the body, as a part of a round one.
 const BODY: f64 = 0.5;
 /// Reflectance of pale spots.
@@ -99,11 +113,11 @@ impl Part {
         let (inside, margin) = Self::fields(&HINDWING, HINDWING_MARGIN);
         let veins = [-0.55, -0.42, -0.29, -0.16, -0.03, 0.11, 0.26, 0.42];
         let spots = [
-            [0.757, -0.27, 0.007],
-            [0.703, -0.42, 0.007],
-            [0.607, -0.555, 0.007],
-            [0.497, -0.675, 0.008],
-            [0.36, -0.81, 0.009],
+            [0.772, -0.27, 0.007],
+            [0.735, -0.42, 0.007],
+            [0.66, -0.57, 0.007],
+            [0.553, -0.68, 0.008],
+            [0.425, -0.755, 0.009],
         ];
         let root = [0.01, 0.04];
         Self { root, middle: -0.62, veins, inside, margin, dark: [0.075, 0.06], ends: [-0.85, 0.06], spots }
@@ -199,34 +213,28 @@ fn body([x, y]: [f64; 2], pixel: f64, base: f64) -> Option<Drawn> {
 ///
 /// ```
 /// use morpho_fit::render::{Wing, default_maps};
-/// let maps = default_maps(&Wing { size: 64, base: 0.03, gap: 141.0, gap_spread: 0.0 })?;
+/// let maps = default_maps(&Wing { size: (64, 64), base: 0.03, gap: 141.0, gap_spread: 0.0 })?;
 /// assert_eq!((maps.mask.width(), maps.mask.channels(), maps.gap), (64, 2, None));
 /// # Ok::<(), morpho_fit::render::RenderError>(())
 /// ```
 pub fn default_maps(wing: &Wing) -> Result<Maps, RenderError> {
     let Wing { size, base, gap, gap_spread } = *wing;
-    raster::size(size, size)?;
-    for (quantity, found, most, allowed) in [
-        ("the reflectance of the base", base, 1.0, "0 to 1"),
-        ("the spread of the gap, nm,", gap_spread, gap / ENDS, "0 to 0.4 of the gap"),
-    ] {
-        if !(0.0..=most).contains(&found) {
-            return Err(RenderError::OutOfRange { quantity, found, allowed });
-        }
-    }
+    let (width, height) = size;
+    wing.validate()?;
     let parts = [Part::forewing(), Part::hindwing()];
-    let pixel = 2.0 / whole(size);
+    let pixel = [2.0 / whole(width), 2.0 / whole(height)];
+    let edge = 0.5 * (pixel[0] + pixel[1]);
     // Height, angle (two), mask (two), base (three), gap.
-    let mut values = vec![[0.0_f32; 9]; size * size];
-    values.par_chunks_mut(size).enumerate().for_each(|(row, out)| {
+    let mut values = vec![[0.0_f32; 9]; width * height];
+    values.par_chunks_mut(width).enumerate().for_each(|(row, out)| {
         for (column, out) in out.iter_mut().enumerate() {
-            let place = [pixel * (whole(column) + 0.5) - 1.0, 1.0 - pixel * (whole(row) + 0.5)];
-            *out = texel(&parts, place, pixel, base).map(single);
+            let place = [pixel[0] * (whole(column) + 0.5) - 1.0, 1.0 - pixel[1] * (whole(row) + 0.5)];
+            *out = texel(&parts, place, edge, base).map(single);
         }
     });
     let channels = |from: usize, count: usize| {
         let values = values.iter().flat_map(|value| value.iter().skip(from).take(count)).copied().collect();
-        Raster::new(size, size, count, values)
+        Raster::new(width, height, count, values)
     };
     // A third channel makes the directions a colour image.
     let angle = values.iter().flat_map(|value| [value[1], value[2], 0.5]).collect();
@@ -235,10 +243,30 @@ pub fn default_maps(wing: &Wing) -> Result<Maps, RenderError> {
         (gap_spread > 0.0).then(|| Ok::<_, RenderError>(GapMap { raster: channels(8, 1)?, range })).transpose()?;
     Ok(Maps {
         height: channels(0, 1)?,
-        angle: Raster::new(size, size, 3, angle)?,
+        angle: Raster::new(width, height, 3, angle)?,
         mask: channels(3, 2)?,
         base: channels(5, 3)?,
         gap,
+    })
+}
+
+/// Maps of a plain square: no relief, ridges upwards, wing all over, a brown base.
+///
+/// # Errors
+/// As [`default_maps`]; there is no map of the gap.
+pub fn plain_maps(wing: &Wing) -> Result<Maps, RenderError> {
+    wing.validate()?;
+    let (width, height) = wing.size;
+    let even = |value: &[f64]| {
+        let value: Vec<f32> = value.iter().copied().map(single).collect();
+        Raster::new(width, height, value.len(), value.repeat(width * height))
+    };
+    Ok(Maps {
+        height: even(&[0.5])?,
+        angle: even(&[0.0])?,
+        mask: even(&[1.0, 1.0])?,
+        base: even(&BROWN.map(|channel| wing.base * channel))?,
+        gap: None,
     })
 }
 

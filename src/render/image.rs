@@ -1,6 +1,7 @@
 //! From linear light to what a display shows.
 
 use super::error::RenderError;
+use super::raster::decoded;
 use super::trace::Picture;
 use crate::colorimetry::{GamutMapping, RgbSpace, RgbTransform, Xyz};
 use rayon::prelude::*;
@@ -20,6 +21,14 @@ pub enum Background {
     Transparent,
     /// A colour of the display, linear sRGB.
     Colour([f64; 3]),
+}
+
+impl Background {
+    /// Of encoded red, green and blue.
+    #[must_use]
+    pub fn encoded(bytes: [u8; 3]) -> Self {
+        Self::Colour(bytes.map(|byte| f64::from(decoded(f32::from(byte) / f32::from(u8::MAX)))))
+    }
 }
 
 /// The exposure at which 99 % of the pixels of wing, over all pictures, have no linear channel of sRGB above 1; 1 if all are

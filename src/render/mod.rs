@@ -31,7 +31,7 @@ pub use base::BROWN;
 pub use colours::{ColourLookup, LookupError, Seen};
 pub use error::RenderError;
 pub use frames::{Turning, turned};
-pub use generate::{Wing, default_maps};
+pub use generate::{Wing, default_maps, plain_maps};
 pub use image::{Background, exposure};
 pub use maps::{GapMap, Maps, Surface};
 pub use raster::{MOST_PIXELS, MOST_SIDE, Raster};

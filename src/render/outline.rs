@@ -30,19 +30,19 @@ pub(super) const HINDWING: [[f64; 2]; 13] = [
     [0.03, 0.06],
     [0.30, 0.10],
     [0.60, 0.06],
-    [0.76, -0.06],
-    [0.79, -0.24],
-    [0.735, -0.42],
-    [0.63, -0.57],
-    [0.51, -0.70],
-    [0.39, -0.82],
-    [0.285, -0.845],
-    [0.20, -0.72],
+    [0.765, -0.06],
+    [0.805, -0.24],
+    [0.775, -0.42],
+    [0.70, -0.58],
+    [0.585, -0.71],
+    [0.45, -0.79],
+    [0.32, -0.80],
+    [0.21, -0.70],
     [0.115, -0.46],
     [0.04, -0.16],
 ];
 /// The outer margin of [`HINDWING`].
-pub(super) const HINDWING_MARGIN: std::ops::Range<usize> = 2..11;
+pub(super) const HINDWING_MARGIN: std::ops::Range<usize> = 2..10;
 
 /// A smooth closed curve through points (Catmull–Rom), as short straight pieces.
 pub(super) fn closed(points: &[[f64; 2]]) -> Vec<[f64; 2]> {

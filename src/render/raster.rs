@@ -131,15 +131,34 @@ impl Raster {
 
     /// The linear light of an image whose colours are encoded as sRGB's, IEC 61966-2-1; alpha stays.
     #[must_use]
-    pub fn linear(mut self) -> Self {
+    pub fn linear(self) -> Self {
+        self.recoloured(decoded)
+    }
+
+    /// The image with the encoding of sRGB on its linear light; alpha stays.
+    #[must_use]
+    pub fn encoded(self) -> Self {
+        self.recoloured(
+            |value| {
+                if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 }
+            },
+        )
+    }
+
+    fn recoloured(mut self, of: impl Fn(f32) -> f32) -> Self {
         let colours = if self.channels.is_multiple_of(2) { self.channels - 1 } else { self.channels };
         for pixel in self.values.chunks_exact_mut(self.channels) {
             for value in pixel.iter_mut().take(colours) {
-                *value = if *value <= 0.04045 { *value / 12.92 } else { ((*value + 0.055) / 1.055).powf(2.4) };
+                *value = of(*value);
             }
         }
         self
     }
+}
+
+/// Linear light of an encoded channel of sRGB.
+pub(super) fn decoded(value: f32) -> f32 {
+    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 fn level16(pair: [u8; 2]) -> f32 {
