@@ -70,23 +70,31 @@ pub fn png(picture: &Pixels) -> Result<Vec<u8>, ExportError> {
     Ok(file)
 }
 
-/// An animated PNG of frames of the same size, which begins again for ever.
+/// An animated PNG of `count` frames, which begins again for ever. Frames are taken one by one, so that few are in memory.
 ///
 /// - `frames_per_second`: how fast they are shown.
 ///
+/// # Shape
+/// A frame: `[height][width][red, green, blue, alpha]`.
+///
 /// # Errors
-/// As [`png`], and for no frames.
-pub fn animated_png(frames: &[Pixels], frames_per_second: NonZero<u16>) -> Result<Vec<u8>, ExportError> {
+/// That of a frame; as [`png`]; and for no frames, or another number of them than `count`.
+pub fn animated_png<E: From<ExportError>>(
+    (width, height): (usize, usize),
+    count: usize,
+    frames_per_second: NonZero<u16>,
+    frames: impl Iterator<Item = Result<Vec<u8>, E>>,
+) -> Result<Vec<u8>, E> {
     let mut file = Vec::new();
-    let none = Pixels { width: 0, height: 0, bytes: Vec::new() };
-    let mut encoder = frames.first().unwrap_or(&none).encoder(&mut file, png::ColorType::Rgba);
-    encoder.set_animated(Pixels::side(frames.len()), 0)?;
-    encoder.set_frame_delay(1, frames_per_second.get())?;
-    let mut writer = encoder.write_header()?;
+    let broken = |error: png::EncodingError| E::from(ExportError::from(error));
+    let mut encoder = Pixels { width, height, bytes: Vec::new() }.encoder(&mut file, png::ColorType::Rgba);
+    encoder.set_animated(Pixels::side(count), 0).map_err(broken)?;
+    encoder.set_frame_delay(1, frames_per_second.get()).map_err(broken)?;
+    let mut writer = encoder.write_header().map_err(broken)?;
     for frame in frames {
-        writer.write_image_data(&frame.bytes)?;
+        writer.write_image_data(&frame?).map_err(broken)?;
     }
-    writer.finish()?;
+    writer.finish().map_err(broken)?;
     Ok(file)
 }
 

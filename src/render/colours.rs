@@ -41,7 +41,8 @@ pub struct Seen<'a> {
 /// How far interpolated colours are from those of spectra at the same wavelengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookupError {
-    /// Largest CIEDE2000 difference, where the brightest colour of the table is as light as white.
+    /// Largest CIEDE2000 difference of pixels. Their light holds `cos_i`, which is at most `min(1, v)`: the colour is taken
+    /// times that, and the brightest of the table as light as white.
     pub worst: f64,
     /// Mean difference.
     pub mean: f64,
@@ -139,8 +140,8 @@ impl ColourLookup {
         self.interpolated(gap, pair.v, pair.u_x.abs()).map(|value| shape * f64::from(value))
     }
 
-    /// Spectra of random pairs of directions and gaps, by 1 nm ([`Wavelengths::finest`]), the brightest value among them being
-    /// 1: what [`Sampling::coarsest`](crate::sweep::Sampling::coarsest) chooses the wavelengths by.
+    /// Spectra of the light of pixels ([`LookupError::worst`]) in random pairs of directions and gaps, by 1 nm
+    /// ([`Wavelengths::finest`]), the brightest value among them being 1: what [`Sampling::coarsest`](crate::sweep::Sampling::coarsest) chooses the wavelengths by.
     ///
     /// # Shape
     /// `[spectrum][401]`.
@@ -366,7 +367,7 @@ impl<'a> Spectra<'a> {
                 // No two unit vectors meet there.
                 if u * u + v * v <= FARTHEST * FARTHEST {
                     let found = table.interpolated(gap, v, u).map(f64::from);
-                    worst = worst.max(self.difference(sums(&weighted, slits), found, scale)?);
+                    worst = worst.max(self.difference(sums(&weighted, slits), found, scale * v.min(1.0))?);
                 }
             }
             Ok::<f64, RenderError>(worst)
@@ -379,17 +380,22 @@ impl<'a> Spectra<'a> {
         let (scale, seen) = (self.brightest(table), self.random(JUDGED));
         let one = |&[gap, v, u]: &[f64; 3]| {
             let right = sums(&self.weighted(gap, v)?, &self.slits(u));
-            self.difference(right, table.interpolated(gap, v, u).map(f64::from), scale)
+            self.difference(right, table.interpolated(gap, v, u).map(f64::from), scale * v.min(1.0))
         };
         let found = seen.par_iter().map(one).collect::<Result<Vec<f64>, RenderError>>()?;
         let worst = found.iter().copied().fold(0.0, f64::max);
         Ok(LookupError { worst, mean: found.iter().sum::<f64>() / whole(found.len()), compared: found.len() })
     }
 
-    /// What makes the lightest node as light as white.
+    /// What makes the lightest pixel as light as white.
     fn brightest(&self, table: &ColourLookup) -> f64 {
-        let lightest = table.values.iter().map(|value| value[1]).fold(0.0, f32::max);
-        if lightest > 0.0 { f64::from(lightest).recip() } else { 1.0 }
+        let [_, rows, columns] = table.nodes;
+        let one = |(index, value): (usize, &[f32; 4])| {
+            let v = layers_cosine(part(index / columns % rows, rows - 1));
+            v.min(1.0) * f64::from(value[1])
+        };
+        let lightest = table.values.iter().enumerate().map(one).fold(0.0, f64::max);
+        if lightest > 0.0 { lightest.recip() } else { 1.0 }
     }
 
     fn difference(&self, right: [f64; 3], found: [f64; 3], scale: f64) -> Result<f64, RenderError> {

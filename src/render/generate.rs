@@ -137,6 +137,21 @@ struct Drawn {
     gap: f64,
 }
 
+impl Drawn {
+    /// With what shows beside it where it covers a part of the pixel: relief and ridges are its own.
+    fn over(mut self, below: &Self) -> Self {
+        let seen = (1.0 - self.coverage) * below.coverage;
+        let total = self.coverage + seen;
+        let share = seen / total;
+        self.structural += share * (below.structural - self.structural);
+        for (above, below) in self.base.iter_mut().zip(below.base) {
+            *above += share * (below - *above);
+        }
+        self.coverage = total;
+        self
+    }
+}
+
 impl Part {
     /// At a place of the right half; `place` is where it is on the whole square, which chance goes by.
     fn drawn(&self, at: [f64; 2], place: [f64; 2], pixel: f64, base: f64) -> Option<Drawn> {
@@ -272,26 +287,21 @@ pub fn plain_maps(wing: &Wing) -> Result<Maps, RenderError> {
 
 fn texel(parts: &[Part; 2], place: [f64; 2], pixel: f64, base: f64) -> [f64; 9] {
     let right = [place[0].abs(), place[1]];
-    // The upper one hides the lower: body, forewing, hindwing.
-    let mut drawn = [
-        body(right, pixel, base),
-        parts[0].drawn(right, place, pixel, base),
-        parts[1].drawn(right, place, pixel, base),
-    ]
-    .into_iter()
-    .flatten();
-    let Some(mut top) = drawn.next() else {
+    let mut seen: Option<Drawn> = None;
+    // The upper one hides the lower.
+    for part in [None, Some(&parts[0]), Some(&parts[1])] {
+        if seen.as_ref().is_some_and(|seen| seen.coverage >= 1.0) {
+            break;
+        }
+        let drawn = part.map_or_else(|| body(right, pixel, base), |part| part.drawn(right, place, pixel, base));
+        seen = match (seen, drawn) {
+            (Some(above), Some(below)) => Some(above.over(&below)),
+            (above, below) => above.or(below),
+        };
+    }
+    let Some(top) = seen else {
         return [0.5, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5];
     };
-    for below in drawn {
-        let seen = (1.0 - top.coverage) * below.coverage;
-        let (total, share) = (top.coverage + seen, seen / (top.coverage + seen));
-        top.structural += share * (below.structural - top.structural);
-        for (top, below) in top.base.iter_mut().zip(below.base) {
-            *top += share * (below - *top);
-        }
-        top.coverage = total;
-    }
     let ridge = if place[0] < 0.0 { PI - top.ridge } else { top.ridge };
     // From the upward direction.
     let (sin, cos) = (ridge - 0.5 * PI).sin_cos();

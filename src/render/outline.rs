@@ -100,9 +100,9 @@ pub(super) struct Field {
 }
 
 impl Field {
-    /// Intervals of the half square: 0.005 half sides each, finer than any margin bends.
-    const COLUMNS: usize = 200;
-    const ROWS: usize = 400;
+    /// Intervals of the half square: 0.008 half sides each, where a margin bends by less than 0.0002.
+    const COLUMNS: usize = 120;
+    const ROWS: usize = 240;
 
     pub(super) fn of(function: impl Fn([f64; 2]) -> f64 + Sync) -> Self {
         let node = |index: usize| {

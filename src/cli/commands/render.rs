@@ -13,8 +13,8 @@ use morpho_fit::export::{Pixels, RenderSheet, animated_png, exr, png, png16, ren
 use morpho_fit::inversion::{FitSettings, ModelChoice};
 use morpho_fit::optics::{HybridModel, Join};
 use morpho_fit::render::{
-    Background, ColourLookup, GapMap, Maps, Picture, Raster, RenderError, Scene, Seen, Surface, Turning, Wing,
-    default_maps, exposure, plain_maps, trace, turned,
+    Background, ColourLookup, GapMap, Maps, Picture, Raster, RenderError, Scene, Seen, Surface, Wing, default_maps,
+    exposure, plain_maps, trace, turned,
 };
 use morpho_fit::report::terminal;
 use morpho_fit::spectrum::Wavelengths;
@@ -122,9 +122,10 @@ fn rendered(args: &RenderArgs, subject: &Subject, lines: &mut Vec<String>, progr
     progress.tell("maps");
     let (maps, origins) = maps(args, subject)?;
     let surface = Surface::new(&maps, args.maps.relief, subject.structure.d_air)?;
+    watch.lap("maps");
     let mut files = if args.maps.write_maps { map_files(&maps)? } else { Vec::new() };
     drop(maps);
-    watch.lap("maps");
+    watch.lap("files");
     progress.tell("colours");
     let (wavelengths, integration, colours) = colours(args, subject, &viewing, surface.gaps())?;
     watch.lap("colours");
@@ -143,7 +144,10 @@ fn rendered(args: &RenderArgs, subject: &Subject, lines: &mut Vec<String>, progr
     };
     watch.lap("exposure");
     let shots = Shots { args, studio: &studio, factor, mapping };
-    let pictures = shots.all(&scenes, &mut files, &mut watch, progress)?;
+    let pictures = match args.turn.turn {
+        None => shots.views(&scenes, &mut files, &mut watch, progress)?,
+        Some(_) => shots.flip_book(&scenes, &mut files, &mut watch, progress)?,
+    };
     let sheet = RenderSheet {
         model: subject.model.name(),
         stack: subject.model.stack(),
@@ -260,54 +264,71 @@ struct Shots<'a> {
     mapping: GamutMapping,
 }
 
+/// Files of a picture, its scene, and the share of the wing that sRGB cannot show.
+type Shown = (Vec<String>, Scene, f64);
+
 impl Shots<'_> {
-    /// Every picture, in files; what each shows.
-    fn all(
+    /// One picture: linear light, and what a display shows of it.
+    fn shot(&self, scene: &Scene, watch: &mut Watch) -> Result<(Picture, Pixels, f64)> {
+        let (width, height) = self.args.scene.size;
+        let picture = self.studio.picture(scene, (width, height), usize::from(self.args.scene.samples))?;
+        watch.lap("light");
+        let (bytes, outside) = picture.bytes(self.factor, self.mapping, self.behind())?;
+        watch.lap("display");
+        Ok((picture, Pixels { width, height, bytes }, outside))
+    }
+
+    /// A picture of each view, and all of them under each other.
+    fn views(&self, scenes: &[Scene], files: &mut Files, watch: &mut Watch, progress: &Progress) -> Result<Vec<Shown>> {
+        let (mut all, mut shown) = (Vec::with_capacity(scenes.len()), Vec::with_capacity(scenes.len()));
+        for (scene, view) in scenes.iter().zip(&self.args.scene.view) {
+            progress.tell(&format!("view {view}°, {} of {}", all.len() + 1, scenes.len()));
+            let (picture, pixels, outside) = self.shot(scene, watch)?;
+            let mut names = vec![format!("view_{view}.png")];
+            files.push((format!("view_{view}.png"), png(&pixels)?));
+            if !self.args.scene.no_exr {
+                names.push(format!("view_{view}.exr"));
+                files.push((format!("view_{view}.exr"), exr(picture.width, picture.height, &picture.linear()?)?));
+            }
+            watch.lap("files");
+            all.push(pixels);
+            shown.push((names, *scene, outside));
+        }
+        if let Some(all) = Pixels::stacked(&all).filter(|_| all.len() > 1) {
+            files.push(("views.png".to_owned(), png(&all)?));
+            watch.lap("files");
+        }
+        Ok(shown)
+    }
+
+    /// Every scene as a frame of one file.
+    fn flip_book(
         &self,
         scenes: &[Scene],
         files: &mut Files,
         watch: &mut Watch,
         progress: &Progress,
-    ) -> Result<Vec<(Vec<String>, Scene, f64)>> {
-        let (size, samples) = (self.args.scene.size, usize::from(self.args.scene.samples));
-        let turning = self.args.turn.turn.map(|word| word.value() as Turning);
+    ) -> Result<Vec<Shown>> {
         let mut shown = Vec::with_capacity(scenes.len());
-        let mut pictures = Vec::with_capacity(scenes.len());
-        for (index, scene) in scenes.iter().enumerate() {
-            let told = format!("picture {} of {}", index + 1, scenes.len());
-            progress.tell(&told);
-            let picture = self.studio.picture(scene, size, samples)?;
-            watch.lap("light");
-            let (bytes, outside) = picture.bytes(self.factor, self.mapping, self.behind())?;
-            let pixels = Pixels { width: size.0, height: size.1, bytes };
-            watch.lap("display");
-            let mut names = Vec::new();
-            if turning.is_none() || self.args.turn.frames_png {
-                let name = match turning {
-                    None => format!("view_{}", self.args.scene.view[index]),
-                    Some(_) => format!("frame_{:04}", index + 1),
-                };
-                names.push(format!("{name}.png"));
-                files.push((format!("{name}.png"), png(&pixels)?));
-                if turning.is_none() && !self.args.scene.no_exr {
-                    names.push(format!("{name}.exr"));
-                    files.push((format!("{name}.exr"), exr(size.0, size.1, &picture.linear()?)?));
-                }
-            }
+        let mut singles = Vec::new();
+        let frames = scenes.iter().enumerate().map(|(index, scene)| -> Result<Vec<u8>> {
             watch.lap("files");
-            shown.push(pixels);
-            pictures.push((names, *scene, outside));
-        }
-        progress.tell("files");
-        if turning.is_some() {
-            files.push(("turn.png".to_owned(), animated_png(&shown, self.args.turn.rate)?));
-        } else if shown.len() > 1
-            && let Some(all) = Pixels::stacked(&shown)
-        {
-            files.push(("views.png".to_owned(), png(&all)?));
-        }
+            progress.tell(&format!("frame {} of {}", index + 1, scenes.len()));
+            let (_, pixels, outside) = self.shot(scene, watch)?;
+            let name = format!("frame_{:04}.png", index + 1);
+            let mut names = vec!["turn.png".to_owned()];
+            if self.args.turn.frames_png {
+                singles.push((name.clone(), png(&pixels)?));
+                names.push(name);
+            }
+            shown.push((names, *scene, outside));
+            Ok(pixels.bytes)
+        });
+        let file = animated_png(self.args.scene.size, scenes.len(), self.args.turn.rate, frames)?;
         watch.lap("files");
-        Ok(pictures)
+        files.push(("turn.png".to_owned(), file));
+        files.extend(singles);
+        Ok(shown)
     }
 
     fn behind(&self) -> Background {
