@@ -1,4 +1,10 @@
 //! Pictures of a wing: their colours against the model integrated directly, the law of the stack, ridges that turn, maps.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "pixels and single precision of small images"
+)]
 
 use morpho_fit::colorimetry::{GamutMapping, Illuminant, Integration, Lab, Observer, Xyz};
 use morpho_fit::geometry::Polarization;

@@ -2,6 +2,12 @@
 //! butterfly, against the flat square with its normals.
 //!
 //! `cargo test --release --test render_relief -- --ignored --nocapture` prints the table that `render`'s page quotes.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "pixels and single precision of small images"
+)]
 
 use morpho_fit::colorimetry::{Illuminant, Integration, Lab, Observer, Xyz};
 use morpho_fit::optics::{HybridModel, Structure};

@@ -1,10 +1,10 @@
-//! Pictures as OpenEXR: linear light in 32 bits a channel.
+//! Pictures as `OpenEXR`: linear light in 32 bits a channel.
 
 use super::ExportError;
 use exr::prelude::{Encoding, Image, SpecificChannels, Vec2, WritableImage};
 use std::io::Cursor;
 
-/// An OpenEXR file with the channels R, G, B, A: linear sRGB (Rec. 709 primaries) times alpha, as the format has it.
+/// An `OpenEXR` file with the channels R, G, B, A: linear sRGB (Rec. 709 primaries) times alpha, as the format has it.
 ///
 /// # Shape
 /// `pixels: [height][width][red, green, blue, alpha]`, the upper row first.

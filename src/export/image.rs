@@ -1,4 +1,4 @@
-//! Pictures as bytes: PNG, animated PNG, and OpenEXR.
+//! Pictures as bytes: PNG, animated PNG, and `OpenEXR`.
 
 use super::ExportError;
 use std::num::NonZero;

@@ -57,7 +57,7 @@ pub enum ExportError {
     /// The PNG writer failed: a picture without pixels, or with too few or too many bytes.
     #[error("the picture cannot be written as PNG")]
     Png(#[from] ::png::EncodingError),
-    /// The OpenEXR writer failed.
+    /// The `OpenEXR` writer failed.
     #[error("the picture cannot be written as OpenEXR: {problem}")]
     Exr {
         /// What it says.

@@ -87,12 +87,13 @@ impl Surface {
                 return Err(RenderError::Mismatch { map, found, other: "height", needed: (width, height) });
             }
         }
-        if !(relief.abs() <= 1.0) {
+        if !(-1.0..=1.0).contains(&relief) {
             let quantity = "the relief, in sides of the square,";
             return Err(RenderError::OutOfRange { quantity, found: relief, allowed: "-1 to 1" });
         }
         let gaps = maps.gap.as_ref().map_or([gap; 2], |map| map.range);
-        if !(gaps[0] <= gaps[1]) {
+        let rises = gaps[0] <= gaps[1];
+        if !rises {
             let quantity = "the first gap of the d_air map, nm,";
             return Err(RenderError::OutOfRange { quantity, found: gaps[0], allowed: "at most the last" });
         }
@@ -127,7 +128,8 @@ impl Surface {
     #[inline]
     #[must_use]
     pub fn at(&self, [x, y]: [f64; 2]) -> Option<Point> {
-        if !(x.abs() <= HALF_SIDE && y.abs() <= HALF_SIDE) {
+        let square = -HALF_SIDE..=HALF_SIDE;
+        if !square.contains(&x) || !square.contains(&y) {
             return None;
         }
         let (columns, rows) = (whole(self.width), whole(self.height));

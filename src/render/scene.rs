@@ -38,7 +38,8 @@ impl Scene {
     pub fn validate(&self) -> Result<(), RenderError> {
         for (quantity, found) in [("the angle of the view, rad,", self.view), ("the angle of the sun, rad,", self.sun)]
         {
-            if !(found.abs() < FRAC_PI_2) {
+            let is_in_front = found.abs() < FRAC_PI_2;
+            if !is_in_front {
                 return Err(RenderError::OutOfRange { quantity, found, allowed: "less than 90° in size" });
             }
         }
@@ -58,8 +59,7 @@ impl Scene {
     #[must_use]
     pub fn to_sun(&self) -> [f64; 3] {
         let (sin, cos) = self.sun.sin_cos();
-        let along_x = if self.azimuth.abs() == FRAC_PI_2 { 0.0 } else { self.azimuth.cos() };
-        [sin * along_x, sin * self.azimuth.sin(), cos]
+        [sin * self.azimuth.cos(), sin * self.azimuth.sin(), cos]
     }
 
     /// Unit vector from the origin to the camera.
@@ -89,7 +89,8 @@ impl Scene {
         let (sin, cos) = self.view.sin_cos();
         // forward (0, sin, -cos) + right (1, 0, 0) + up (0, cos, sin)
         let direction = [right, sin + up * cos, up * sin - cos];
-        if !(direction[2] < 0.0) {
+        let goes_down = direction[2] < 0.0;
+        if !goes_down {
             return None;
         }
         let [_, y, z] = self.to_camera().map(|component| CAMERA_DISTANCE * component);
