@@ -192,6 +192,8 @@ fn settings_that_cannot_be_are_refused_with_what_can() {
     refused(&folder, "--relief 3", 2, &["-1 to 1"]);
     refused(&folder, "--d-air-map a.png", 2, &["--d-air-range"]);
     refused(&folder, "--frames-png", 2, &["--turn"]);
+    refused(&folder, "--plain --d-air-spread 5", 2, &["cannot be used with"]);
+    refused(&folder, "--d-air-spread 100", 2, &["0 to 0.4 of the gap"]);
     refused(&folder, "--a 900", 2, &["at most the spacing"]);
     refused(&folder, "--tolerance 0.000001", 4, &["asked for"]);
     assert!(!Path::new(folder.path()).join("fits").exists());

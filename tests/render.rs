@@ -146,8 +146,8 @@ fn turning_the_ridges_by_90_degrees_swaps_the_narrow_and_the_wide_lobe() {
     }
 }
 
-/// `lambda = 2 (n_c d_c cos_c + d_a cos_a)`, the order 1 of the stack, with `cos_a = v / 2`: 475, 456, 403 nm and so on. The
-/// peak of nine layers lies within 2 % of it.
+/// `lambda = 2 (n_c d_c cos_c + d_a cos_a)`, the order 1 of the stack, with `cos_a = v / 2`: 475, 465, 443 and 412 nm. Layers
+/// that are no quarter of a wavelength have their peak up to 2.5 % from it, and it moves in proportion within 1 %.
 #[test]
 fn the_peak_of_a_patch_moves_to_shorter_wavelengths_by_the_law_of_the_stack() {
     let blue = Structure { delta: 0.0, ..Structure::blue() };
@@ -157,7 +157,7 @@ fn the_peak_of_a_patch_moves_to_shorter_wavelengths_by_the_law_of_the_stack() {
         let wavelength = 380.0 + 2.0 * f64::from(step);
         // A grid of a single wavelength: then Y is pi f there.
         let grid = Wavelengths::new(wavelength, wavelength + 1.0, 2.0).unwrap();
-        let (colours, white) = (lookup(&blue, &grid, [141.0; 2], 1.0), light(&grid).white());
+        let (colours, white) = (lookup(&blue, &grid, [141.0; 2], 0.1), light(&grid).white());
         for (best, view) in best.iter_mut().zip(views) {
             let scene = Scene::vertical_sun(view);
             let y = middle(&trace(&flat(FRAC_PI_2), &colours, &scene, (SIDE, SIDE), 1, white).unwrap())[1];
@@ -170,14 +170,18 @@ fn the_peak_of_a_patch_moves_to_shorter_wavelengths_by_the_law_of_the_stack() {
             }
         }
     }
-    let mut last = f64::INFINITY;
+    let mut last = [f64::INFINITY; 2];
     for ((peak, _), view) in best.into_iter().zip(views) {
         let cos_air = 0.5 * (1.0 + view.cos());
         let cos_cuticle = (1.0 - (1.0 - cos_air * cos_air) / 1.56_f64.powi(2)).sqrt();
         let law = 2.0 * (1.56 * blue.d_cuticle * cos_cuticle + blue.d_air * cos_air);
-        assert!((peak / law - 1.0).abs() < 0.02, "{peak} nm, by the law {law:.1} nm");
-        assert!(peak < last, "{peak} nm after {last} nm");
-        last = peak;
+        assert!((peak / law - 1.0).abs() < 0.025, "{peak} nm, by the law {law:.1} nm");
+        assert!(peak < last[0], "{peak} nm after {} nm", last[0]);
+        if last[0].is_finite() {
+            let (moved, expected) = (peak / last[0], law / last[1]);
+            assert!((moved / expected - 1.0).abs() < 0.01, "{peak} nm after {} nm, by the law {expected}", last[0]);
+        }
+        last = [peak, law];
     }
 }
 
@@ -278,7 +282,7 @@ fn the_exposure_keeps_99_of_100_pixels_within_the_display() {
         })
         .collect();
     let picture = Picture { width: 100, height: 1, pixels, white };
-    let found = exposure(&[picture.clone()]).unwrap();
+    let found = exposure(std::slice::from_ref(&picture)).unwrap();
     assert!((found - 0.5).abs() < 1e-4, "{found}");
     // Bare pixels do not count, and where there is no light nothing is scaled.
     let bare = Picture { pixels: vec![[0.0; 4]; 100], ..picture };

@@ -88,17 +88,18 @@ pub(crate) struct MapArgs {
     /// Height of white in the height map, as a part of the side of the square, -1 to 1.
     #[arg(long, value_name = "SHARE", value_parser = values::number, default_value = "0.04", allow_negative_numbers = true)]
     pub(crate) relief: f64,
-    /// Reflectance of the brown base below the scales, 0 to 1; it is not from the paper.
+    /// Reflectance of the brown base below the scales where no --base-map is given, 0 to 1; it is not from the paper.
     #[arg(long, value_name = "SHARE", value_parser = values::not_negative, default_value = "0.03")]
     pub(crate) base: f64,
     /// Maps that are not given are those of a plain square without relief, all wing, its ridges upright, instead of a
     /// butterfly's.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "d_air_spread")]
     pub(crate) plain: bool,
     /// Width and height of the butterfly's maps where no file is given, pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "1024x1024")]
     pub(crate) map_size: (usize, usize),
-    /// Write the maps too, as PNG of 16 bits: height.png, angle.png, mask.png, base.png (8 bits), d_air.png.
+    /// Write the maps too, as PNG of 16 bits: height.png, angle.png, mask.png, base.png, and d_air.png
+    /// where the gap varies.
     #[arg(long)]
     pub(crate) write_maps: bool,
 }
