@@ -370,10 +370,10 @@ fn told(subject: &Subject, sheet: &RenderSheet<'_>) -> Vec<String> {
     let total: f64 = sheet.seconds.iter().map(|(_, seconds)| seconds).sum();
     let steps: Vec<String> = sheet.seconds.iter().map(|(step, seconds)| format!("{step} {seconds:.2}")).collect();
     let (width, height) = sheet.size;
-    lines.push(format!(
-        "{width} × {height} pixels, {} pictures in {total:.2} s: {}",
-        sheet.pictures.len(),
-        steps.join(", ")
-    ));
+    let pictures = match sheet.pictures.len() {
+        1 => "1 picture".to_owned(),
+        count => format!("{count} pictures"),
+    };
+    lines.push(format!("{pictures} of {width} × {height} pixels in {total:.2} s: {}", steps.join(", ")));
     lines
 }
