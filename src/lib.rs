@@ -47,7 +47,7 @@
 //! simulation, rough or random structures, pigment, and colour of anything that is not a layer.
 //!
 //! Imports run downwards: `units`, `numerics` · `geometry`, `spectrum` · `optics`, `colorimetry`, `dataset`, `optimise` ·
-//! `uncertainty`, `synthetic`, `sweep`, `table` · `inversion` · `tradeoff` · `plot`, `export` · `report` · `python`
+//! `uncertainty`, `synthetic`, `sweep`, `table` · `inversion`, `render` · `tradeoff` · `plot`, `export` · `report` · `python`
 //! (feature `python`). Only the program touches files, terminal and clock.
 #![cfg_attr(
     not(test),
@@ -63,6 +63,7 @@ pub mod numerics;
 pub mod optics;
 pub mod optimise;
 pub mod plot;
+pub mod render;
 pub mod report;
 pub mod spectrum;
 pub mod sweep;

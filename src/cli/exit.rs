@@ -4,6 +4,7 @@ use crate::output;
 use morpho_fit::dataset::Findings;
 use morpho_fit::inversion::{FitError, SettingsError};
 use morpho_fit::optics::OpticsError;
+use morpho_fit::render::RenderError;
 use morpho_fit::report::paper::PaperError;
 use morpho_fit::sweep::SweepError;
 use morpho_fit::synthetic::SimulationError;
@@ -105,6 +106,17 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
         return Some(match error {
             TableError::Optics(error) => code_of_optics(error),
             TableError::TooLarge { .. } | TableError::TooMany { .. } => NOT_CONVERGED,
+            _ => USAGE,
+        });
+    }
+    if let Some(error) = cause.downcast_ref::<RenderError>() {
+        return Some(match error {
+            RenderError::Optics(error) => code_of_optics(error),
+            RenderError::Png { .. }
+            | RenderError::Size { .. }
+            | RenderError::Values { .. }
+            | RenderError::Mismatch { .. } => BAD_DATA,
+            RenderError::TooLarge { .. } => NOT_CONVERGED,
             _ => USAGE,
         });
     }

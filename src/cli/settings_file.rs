@@ -31,6 +31,7 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
             | Command::Curves(_)
             | Command::Sweep(_)
             | Command::Table(_)
+            | Command::Render(_)
             | Command::Paper(_)
             | Command::Tradeoff(_),
         ) => return Ok(cli),

@@ -3,8 +3,12 @@
 mod colours;
 mod constant;
 mod curves;
+#[cfg(feature = "cli")]
+mod exr;
+mod image;
 mod json;
 mod npy;
+mod render;
 mod samples;
 mod table;
 mod terms;
@@ -14,8 +18,12 @@ mod tradeoff;
 pub use colours::colours_csv;
 pub use constant::{CONSTANT_SCHEMA, constant_csv, constant_json};
 pub use curves::curves_csv;
+#[cfg(feature = "cli")]
+pub use exr::exr;
+pub use image::{Pixels, animated_png, png, png16};
 pub use json::{fit_json, read_fit_json};
 pub use npy::npy;
+pub use render::{RENDER_SCHEMA, RenderSheet, render_json};
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
 pub use table::{MOST_ROWS, TABLE_SCHEMA, TableSheet, table_csv, table_json};
 pub use terms::terms_csv;
@@ -47,6 +55,15 @@ pub enum ExportError {
         shape: Vec<usize>,
         /// Number of values.
         values: usize,
+    },
+    /// The PNG writer failed: a picture without pixels, or with too few or too many bytes.
+    #[error("the picture cannot be written as PNG")]
+    Png(#[from] ::png::EncodingError),
+    /// The `OpenEXR` writer failed.
+    #[error("the picture cannot be written as OpenEXR: {problem}")]
+    Exr {
+        /// What it says.
+        problem: String,
     },
     /// The CSV writer failed.
     #[error("the table cannot be written as CSV")]

@@ -163,32 +163,95 @@ impl ReflectivityModel for HybridModel {
     }
 }
 
-/// The two directions of one reading as the product sees them.
+/// Two directions as the product sees them at every wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct HybridNode {
-    /// Angle of the light from the layers' normal, `acos(v / 2)`, rad.
-    pub(crate) angle: f64,
-    /// `u_x k / 2`, 1/nm.
-    half_ku: f64,
+pub(crate) struct Pair {
+    /// `w_i + w_o` across the ridges, along them and along the normal.
+    pub(crate) u_x: f64,
     u_y: f64,
-    v: f64,
-    /// `1 / lambda`, times what a reading has beside f, 1/nm.
-    strength: f64,
+    pub(crate) v: f64,
     /// G; infinite where one direction grazes.
     gain: f64,
     /// `w_y / w_z` of both directions.
     slopes: [f64; 2],
 }
 
-impl HybridNode {
-    /// Of two unit vectors above the horizon, for f; `wavelength` in the ambient medium, nm.
-    fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
+impl Pair {
+    /// Of two unit vectors above the horizon.
+    #[inline]
+    pub(crate) fn new(incoming: [f64; 3], outgoing: [f64; 3]) -> Self {
         let [u_x, u_y, v] = std::array::from_fn(|axis| incoming[axis] + outgoing[axis]);
         let slopes = [incoming, outgoing].map(|[_, y, z]| y / z.max(HORIZON));
         // Along the horizon both ways it is 0/0: the value of the mirror direction is taken.
         let gain = if v > 0.0 { v * v / (4.0 * incoming[2] * outgoing[2]) } else { 1.0 };
-        let angle = (0.5 * v).min(1.0).acos();
-        Self { angle, half_ku: PI * u_x / wavelength, u_y, v, strength: wavelength.recip(), gain, slopes }
+        Self { u_x, u_y, v, gain, slopes }
+    }
+}
+
+/// The part of f that is the same at every wavelength, of one structure: `min(G, b/a · F) · a²/b · P`, nm/sr.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Shape {
+    /// `a²/b`, nm.
+    strength: f64,
+    /// `b/a`.
+    most: f64,
+    tilt: f64,
+    half_width: f64,
+}
+
+impl Shape {
+    #[inline]
+    pub(crate) fn of(structure: &Structure, ridge_spacing: f64) -> Self {
+        let Structure { delta, phi_alpha, lamella_width, .. } = *structure;
+        Self {
+            strength: lamella_width * lamella_width / ridge_spacing,
+            most: ridge_spacing / lamella_width,
+            tilt: delta.tan(),
+            half_width: 2.0 * (0.5 * phi_alpha).sin(),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn at(&self, pair: &Pair) -> f64 {
+        let Self { strength, most, tilt, half_width } = *self;
+        let offset = pair.u_y - pair.v * tilt;
+        if offset.abs() >= half_width {
+            return 0.0;
+        }
+        let lobe = FRAC_PI_4 / half_width * (FRAC_PI_2 * offset / half_width).cos();
+        let facing = (1.0 + tilt * pair.slopes[0]).min(1.0 + tilt * pair.slopes[1]).max(0.0);
+        let above = (0.5 + FRAC_PI_4 * pair.v * tilt.abs() / half_width).min(1.0);
+        strength * pair.gain.min(most * facing / above) * lobe
+    }
+}
+
+/// The part of f beside R that depends on the wavelength, `sinc²(k a u_x / 2) / lambda`, 1/nm.
+///
+/// - `half_ku`: `u_x k / 2`, 1/nm; `strength`: `1 / lambda`, 1/nm.
+#[inline]
+pub(crate) fn slit_share(half_ku: f64, lamella_width: f64, strength: f64) -> f64 {
+    let slit = slit_factor(half_ku * lamella_width);
+    strength * slit * slit
+}
+
+/// The two directions of one reading at its wavelength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HybridNode {
+    /// Angle of the light from the layers' normal, `acos(v / 2)`, rad.
+    pub(crate) angle: f64,
+    /// `u_x k / 2`, 1/nm.
+    half_ku: f64,
+    /// `1 / lambda`, times what a reading has beside f, 1/nm.
+    strength: f64,
+    pair: Pair,
+}
+
+impl HybridNode {
+    /// Of two unit vectors above the horizon, for f; `wavelength` in the ambient medium, nm.
+    fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
+        let pair = Pair::new(incoming, outgoing);
+        let half_ku = PI * pair.u_x / wavelength;
+        Self { angle: layer_angle(pair.v), half_ku, strength: wavelength.recip(), pair }
     }
 
     /// Of a reading in the plane of incidence, for `f cos_o`; angles at most pi/2 in size.
@@ -201,28 +264,25 @@ impl HybridNode {
         // At the mirror direction u is 0, which the sum of two rounded sines need not be.
         let u = if (theta + phi).abs() < f64::EPSILON { 0.0 } else { theta.sin() + phi.sin() };
         let half_ku = PI * u * cos / wavelength;
-        Self { half_ku, u_y: u * sin, strength: node.strength * outgoing[2], ..node }
+        let pair = Pair { u_x: u * cos, u_y: u * sin, ..node.pair };
+        Self { half_ku, pair, strength: node.strength * outgoing[2], ..node }
     }
 
     /// All of the product but R: 1/sr of the BRDF, or what a detector of 1 sr reads; NaN for a lamella wider than the
     /// spacing of the ridges.
     #[inline]
     pub(crate) fn spread(&self, structure: &Structure, ridge_spacing: f64) -> f64 {
-        let Structure { delta, phi_alpha, lamella_width, .. } = *structure;
+        let lamella_width = structure.lamella_width;
         if lamella_width > ridge_spacing {
             return f64::NAN;
         }
-        let tilt = delta.tan();
-        let half_width = 2.0 * (0.5 * phi_alpha).sin();
-        let offset = self.u_y - self.v * tilt;
-        if offset.abs() >= half_width {
-            return 0.0;
-        }
-        let lobe = FRAC_PI_4 / half_width * (FRAC_PI_2 * offset / half_width).cos();
-        let facing = (1.0 + tilt * self.slopes[0]).min(1.0 + tilt * self.slopes[1]).max(0.0);
-        let above = (0.5 + FRAC_PI_4 * self.v * tilt.abs() / half_width).min(1.0);
-        let gain = self.gain.min(ridge_spacing / lamella_width * facing / above);
-        let slit = slit_factor(self.half_ku * lamella_width);
-        self.strength * lamella_width * lamella_width / ridge_spacing * slit * slit * gain * lobe
+        let shape = Shape::of(structure, ridge_spacing).at(&self.pair);
+        if shape <= 0.0 { 0.0 } else { shape * slit_share(self.half_ku, lamella_width, self.strength) }
     }
+}
+
+/// Angle of the light from the layers' normal, `acos(v / 2)`, rad.
+#[inline]
+pub(crate) fn layer_angle(v: f64) -> f64 {
+    (0.5 * v).min(1.0).acos()
 }

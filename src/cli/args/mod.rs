@@ -5,6 +5,7 @@ mod constant;
 mod drawing;
 mod measurement;
 mod problem;
+mod render;
 mod structure;
 mod subject;
 mod table;
@@ -15,13 +16,14 @@ pub(crate) use constant::ConstantArgs;
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;
 pub(crate) use problem::{AverageArgs, LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
+pub(crate) use render::{Behind, Exposure, MapArgs, RenderArgs};
 pub(crate) use structure::StructureArgs;
 pub(crate) use subject::SubjectArgs;
 pub(crate) use table::TableArgs;
 pub(crate) use tradeoff::TradeoffArgs;
 pub(crate) use words::{
     AcrossWord, AdmittanceWord, DerivativeWord, ExtentWord, GamutWord, KeepWord, LossWord, ModelWord, ObserverWord,
-    PolarizationWord, PresetWord, SnellWord, TableFormat, TurnWord, UncertaintyWord, WideWord,
+    PolarizationWord, PresetWord, SnellWord, SwingWord, TableFormat, TurnWord, UncertaintyWord, WideWord,
 };
 
 use crate::values;
@@ -89,6 +91,10 @@ pub(crate) enum Command {
     /// table.npy or table.csv, table.json, table.svg.
     #[command(args_override_self = true)]
     Table(TableArgs),
+    /// Draw pictures of a wing of this structure in the sun, as the paper's Fig. 15: view_10.png, view_10.exr and so on for each
+    /// view, views.png, render.json; or a flip-book, turn.png.
+    #[command(args_override_self = true)]
+    Render(RenderArgs),
     /// Draw the figures and the table of the paper, as printed and right, with the differences in numbers: README.md and its
     /// pictures.
     #[command(args_override_self = true)]

@@ -7,6 +7,7 @@ use morpho_fit::geometry::Polarization;
 use morpho_fit::inversion::{Derivative, Extent};
 use morpho_fit::optics::{Admittance, Snell};
 use morpho_fit::optimise::Loss;
+use morpho_fit::render::Turning;
 use morpho_fit::table::Across;
 
 /// An enumeration of words on the command line, each with its library value.
@@ -169,6 +170,13 @@ words!(AcrossWord => Across {
     Mirror => Across::Mirror,
     /// phi.
     View => Across::View,
+});
+
+words!(SwingWord => Turning {
+    /// The sun.
+    Light => Turning::Sun,
+    /// The camera.
+    View => Turning::View,
 });
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

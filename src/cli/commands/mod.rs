@@ -6,6 +6,7 @@ pub(crate) mod curves;
 pub(crate) mod fit;
 mod intervals;
 pub(crate) mod paper;
+pub(crate) mod render;
 pub(crate) mod simulate;
 pub(crate) mod sweep;
 pub(crate) mod table;
