@@ -182,13 +182,18 @@ pub(crate) struct HybridNode {
 
 impl HybridNode {
     /// Of two unit vectors above the horizon, for f; `wavelength` in the ambient medium, nm.
-    fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
+    pub(crate) fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
         let [u_x, u_y, v] = std::array::from_fn(|axis| incoming[axis] + outgoing[axis]);
         let slopes = [incoming, outgoing].map(|[_, y, z]| y / z.max(HORIZON));
         // Along the horizon both ways it is 0/0: the value of the mirror direction is taken.
         let gain = if v > 0.0 { v * v / (4.0 * incoming[2] * outgoing[2]) } else { 1.0 };
         let angle = (0.5 * v).min(1.0).acos();
         Self { angle, half_ku: PI * u_x / wavelength, u_y, v, strength: wavelength.recip(), gain, slopes }
+    }
+
+    /// The same directions at another wavelength, of a node that was made for 1 nm.
+    pub(crate) fn at_wavelength(&self, wavelength: f64) -> Self {
+        Self { half_ku: self.half_ku / wavelength, strength: self.strength / wavelength, ..*self }
     }
 
     /// Of a reading in the plane of incidence, for `f cos_o`; angles at most pi/2 in size.
