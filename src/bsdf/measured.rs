@@ -67,34 +67,32 @@ impl MeasuredFields {
     ///
     /// # Errors
     /// As [`TensorFile::to_bytes`].
-    pub fn to_bytes(&self) -> Result<Vec<u8>, BsdfError> {
-        let (azimuths, angles, side) = (self.phi_i.len(), self.theta_i.len(), self.side);
-        let f32s = |name: &str, shape: Vec<usize>, values: &[f32]| Tensor {
+    pub fn into_bytes(self) -> Result<Vec<u8>, BsdfError> {
+        let (azimuths, angles, side, channels) = (self.phi_i.len(), self.theta_i.len(), self.side, self.channels());
+        let f32s = |name: &str, shape: Vec<usize>, values: Vec<f32>| Tensor {
             name: name.to_owned(),
             shape,
-            data: TensorData::F32(values.to_vec()),
+            data: TensorData::F32(values),
         };
-        let u8s = |name: &str, values: &[u8]| Tensor {
+        let u8s = |name: &str, values: Vec<u8>| Tensor {
             name: name.to_owned(),
             shape: vec![values.len()],
-            data: TensorData::U8(values.to_vec()),
+            data: TensorData::U8(values),
         };
         let [rows, columns] = self.vndf.size;
         let mut tensors = vec![
-            u8s("description", self.description.as_bytes()),
-            f32s("phi_i", vec![azimuths], &self.phi_i),
-            f32s("theta_i", vec![angles], &self.theta_i),
-            f32s("ndf", self.ndf.size.to_vec(), &self.ndf.values),
-            f32s("sigma", self.sigma.size.to_vec(), &self.sigma.values),
-            f32s("vndf", vec![azimuths, angles, rows, columns], &self.vndf.values),
-            f32s("luminance", vec![azimuths, angles, side, side], &self.luminance),
-            u8s("jacobian", &[u8::from(self.jacobian)]),
+            u8s("description", self.description.into_bytes()),
+            f32s("phi_i", vec![azimuths], self.phi_i),
+            f32s("theta_i", vec![angles], self.theta_i),
+            f32s("ndf", self.ndf.size.to_vec(), self.ndf.values),
+            f32s("sigma", self.sigma.size.to_vec(), self.sigma.values),
+            f32s("vndf", vec![azimuths, angles, rows, columns], self.vndf.values),
+            f32s("luminance", vec![azimuths, angles, side, side], self.luminance),
+            u8s("jacobian", vec![u8::from(self.jacobian)]),
         ];
-        if let Some(wavelengths) = &self.wavelengths {
-            tensors.push(f32s("wavelengths", vec![wavelengths.len()], wavelengths));
-        }
         let name = if self.wavelengths.is_some() { "spectra" } else { "rgb" };
-        tensors.push(f32s(name, vec![azimuths, angles, self.channels(), side, side], &self.spectra));
+        tensors.extend(self.wavelengths.map(|wavelengths| f32s("wavelengths", vec![channels], wavelengths)));
+        tensors.push(f32s(name, vec![azimuths, angles, channels, side, side], self.spectra));
         TensorFile { tensors }.to_bytes()
     }
 
@@ -126,7 +124,7 @@ impl MeasuredFields {
 ///     spectra: vec![0.2; 8],
 ///     jacobian: true,
 /// };
-/// let material = MeasuredBsdf::new(MeasuredFields::read(&fields.to_bytes()?)?)?;
+/// let material = MeasuredBsdf::new(MeasuredFields::read(&fields.into_bytes()?)?)?;
 /// let mut values = [0.0; 2];
 /// material.evaluate([0.0, 0.0, 1.0], [0.6, 0.0, 0.8], &mut values)?;
 /// assert!(values.iter().all(|value| (value - 0.2).abs() < 1e-7));
@@ -166,6 +164,12 @@ impl MeasuredBsdf {
     #[must_use]
     pub fn fields(&self) -> &MeasuredFields {
         &self.fields
+    }
+
+    /// What stands in the file, without the rest.
+    #[must_use]
+    pub fn into_fields(self) -> MeasuredFields {
+        self.fields
     }
 
     /// Whether turning the material about its normal changes nothing.

@@ -1,7 +1,7 @@
 //! How many nodes a table needs, before it is filled.
 //!
 //! What a table would say between its nodes can be computed from the nodes about that place, without the rest of it. So sizes are tried at
-//! random directions with light: wavelengths first, then that axis of directions is made finer which lowers the error most for its bytes.
+//! random directions with light: from a small one on, always that axis is made finer which lowers the error most for its bytes.
 
 use super::directions::{angles, direction, half, mirrored, square, unsquare};
 use super::source::Scratch;
@@ -20,8 +20,6 @@ const SIDES: [usize; 9] = [12, 16, 23, 32, 45, 64, 90, 128, 180];
 const WAVELENGTHS: [usize; 10] = [8, 12, 16, 24, 32, 48, 64, 95, 142, 236];
 /// Step of the spectra that wavelengths are held against, nm.
 const FINE: f64 = 2.0;
-/// Part of the squared tolerance for the wavelengths.
-const OF_WAVELENGTHS: f64 = 0.25;
 /// Wavelengths at which directions are judged.
 const SEEN: usize = 12;
 /// Directions with light that sizes are judged at.
@@ -123,54 +121,55 @@ pub fn size(source: &Source<'_>, needs: &Needs) -> Result<Sized, BsdfError> {
     if peak <= 0.0 {
         return Err(BsdfError::Dark);
     }
-    let mut chosen = None;
+    // Errors of wavelengths and of directions are nearly independent: their squares add up.
+    let mut of_wavelengths = Vec::with_capacity(WAVELENGTHS.len());
     for count in WAVELENGTHS {
         let wavelengths = nodes(count);
-        let square = of_wavelengths(&source.at(&wavelengths)?, &wavelengths, &finest, &probes, &exact)? / (peak * peak);
-        chosen = Some((wavelengths, square));
-        if square <= OF_WAVELENGTHS * needs.tolerance * needs.tolerance {
-            break;
-        }
+        let coarse = source.at(&wavelengths)?;
+        of_wavelengths.push(linear_between(&coarse, &wavelengths, &finest, &probes, &exact)? / (peak * peak));
     }
-    let Some((wavelengths, of_wavelengths)) = chosen else { return Err(BsdfError::Dark) };
     let seen = source.at(&nodes(SEEN))?;
     let exact = spectra(&seen, &probes)?;
-    let (start, steps) = ([0, 0, 0], [AZIMUTHS, ANGLES, SIDES]);
-    let of = |at: [usize; 3]| {
-        let count = |axis: usize| steps[axis].get(at[axis]).copied();
-        Some(Size { azimuths: count(0)?, angles: count(1)?, side: count(2)?, channels: wavelengths.len() })
+    let judged = |at: [usize; 4]| -> Result<Option<Step>, BsdfError> {
+        let counts = [AZIMUTHS.get(at[0]), ANGLES.get(at[1]), SIDES.get(at[2]), WAVELENGTHS.get(at[3])];
+        let [Some(&azimuths), Some(&angles), Some(&side), Some(&channels)] = counts else { return Ok(None) };
+        let size = Size { azimuths, angles, side, channels };
+        if size.bytes() > needs.most_bytes {
+            return Ok(None);
+        }
+        let of_wavelengths = of_wavelengths.get(at[3]).copied().unwrap_or(0.0);
+        let square = of_directions(&seen, &size, &probes, &exact)? / (peak * peak) + of_wavelengths;
+        Ok(Some(Step { at, size, square }))
     };
-    let judged = |size: &Size| -> Result<f64, BsdfError> {
-        Ok(of_directions(&seen, size, &probes, &exact)? / (peak * peak) + of_wavelengths)
+    let too_large = |bytes: u64, square: f64| {
+        let (rms, tolerance, most) = (square.sqrt(), needs.tolerance, needs.most_bytes);
+        BsdfError::TooLarge { bytes, rms, tolerance, most }
     };
-    let mut at = start;
-    let Some(mut size) = of(at) else { return Err(BsdfError::Dark) };
-    let mut square = judged(&size)?;
-    while square > needs.tolerance * needs.tolerance {
-        let mut best: Option<(f64, [usize; 3], Size, f64)> = None;
-        for axis in 0..3 {
-            let mut finer = at;
-            finer[axis] += 1;
-            let Some(larger) = of(finer).filter(|larger| larger.bytes() <= needs.most_bytes) else { continue };
-            let left = judged(&larger)?;
+    let Some(mut now) = judged([0; 4])? else { return Err(too_large(0, 1.0)) };
+    while now.square > needs.tolerance * needs.tolerance {
+        let mut best: Option<(f64, Step)> = None;
+        for axis in 0..4 {
+            let mut at = now.at;
+            at[axis] += 1;
+            let Some(finer) = judged(at)? else { continue };
             #[allow(clippy::cast_precision_loss, reason = "a ratio")]
-            let price = (larger.bytes() as f64 / size.bytes() as f64).ln();
-            let gain = (square / left).ln() / price;
-            if best.is_none_or(|(most, ..)| gain > most) {
-                best = Some((gain, finer, larger, left));
+            let price = (finer.size.bytes() as f64 / now.size.bytes() as f64).ln();
+            let gain = (now.square / finer.square).ln() / price;
+            if best.as_ref().is_none_or(|(most, _)| gain > *most) {
+                best = Some((gain, finer));
             }
         }
-        let Some((_, finer, larger, left)) = best else {
-            let (bytes, rms) = (size.bytes(), square.sqrt());
-            return Err(BsdfError::TooLarge { bytes, rms, tolerance: needs.tolerance, most: needs.most_bytes });
-        };
-        (at, size, square) = (finer, larger, left);
+        let Some((_, finer)) = best else { return Err(too_large(now.size.bytes(), now.square)) };
+        now = finer;
     }
-    if size.bytes() > needs.most_bytes {
-        let (bytes, rms) = (size.bytes(), square.sqrt());
-        return Err(BsdfError::TooLarge { bytes, rms, tolerance: needs.tolerance, most: needs.most_bytes });
-    }
-    Ok(Sized { size, wavelengths, rms: square.sqrt() })
+    Ok(Sized { size: now.size, wavelengths: nodes(now.size.channels), rms: now.square.sqrt() })
+}
+
+/// A size on the way, with its mean square error as a share of the squared peak.
+struct Step {
+    at: [usize; 4],
+    size: Size,
+    square: f64,
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "held within 2 and 2000")]
@@ -216,7 +215,7 @@ fn spectra(source: &Source<'_>, probes: &[Pair]) -> Result<Vec<Vec<f64>>, BsdfEr
 }
 
 /// Mean square error of spectra that are linear between `nodes`, held against those at `finest`.
-fn of_wavelengths(
+fn linear_between(
     source: &Source<'_>,
     nodes: &[f64],
     finest: &[f64],

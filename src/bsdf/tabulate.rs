@@ -11,8 +11,11 @@ use super::{BsdfError, Source};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Largest angle of incidence in a table, as a share of a right angle: along the horizon there is no half vector to tell.
-const LAST_ANGLE: f64 = 0.99;
+/// Largest angle of incidence in a table, as a share of a right angle: along the horizon there is no light to tell.
+const LAST_ANGLE: f64 = 0.9995;
+/// Angles of incidence are counted back from the horizon in this power: there the model changes fastest. Even ones (1) have a third more
+/// error with as many nodes, those of 2 have more about the normal.
+const TOWARDS_HORIZON: f64 = 1.5;
 /// Least weight for sampling, as a share of the mean of its plane: with less, rare paths would be bright dots in a picture; with more,
 /// paths would be spent on the dark.
 const FLOOR: f64 = 0.01;
@@ -32,10 +35,12 @@ pub struct Tabulated {
 
 /// The nodes of azimuth and angle, rad.
 pub(super) fn axes(size: &Size) -> [Vec<f32>; 2] {
-    let even = |first: f64, last: f64, count: usize| {
-        (0..count).map(|index| single(first + (last - first) * share(index, count))).collect()
+    let azimuth = |index| single(PI * (2.0 * share(index, size.azimuths) - 1.0));
+    let angle = |index| {
+        let from_horizon = (1.0 - share(index, size.angles)).powf(TOWARDS_HORIZON);
+        single(LAST_ANGLE * FRAC_PI_2 * (1.0 - from_horizon))
     };
-    [even(-PI, PI, size.azimuths), even(0.0, LAST_ANGLE * FRAC_PI_2, size.angles)]
+    [(0..size.azimuths).map(azimuth).collect(), (0..size.angles).map(angle).collect()]
 }
 
 /// Place of node `index` of `count` from 0 to 1.

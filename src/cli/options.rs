@@ -64,7 +64,22 @@ fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     let name = path.to_string_lossy();
     match nearest(
         &name,
-        &["fit", "profile", "bootstrap", "sample", "check", "curves", "sweep", "paper", "tradeoff", "simulate", "help"],
+        &[
+            "fit",
+            "profile",
+            "bootstrap",
+            "sample",
+            "check",
+            "curves",
+            "sweep",
+            "table",
+            "bsdf",
+            "import-bsdf",
+            "paper",
+            "tradeoff",
+            "simulate",
+            "help",
+        ],
     )
     .filter(|_| !name.contains(['.', '/', '\\']))
     {

@@ -30,6 +30,8 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
             | Command::Curves(_)
             | Command::Sweep(_)
             | Command::Table(_)
+            | Command::Bsdf(_)
+            | Command::ImportBsdf(_)
             | Command::Paper(_)
             | Command::Tradeoff(_),
         ) => return Ok(cli),

@@ -1,5 +1,6 @@
 //! Results as bytes: `fit.json`, `curves.csv`, the samples behind intervals, tables. Nothing here opens a file.
 
+mod bsdf;
 mod colours;
 mod curves;
 mod json;
@@ -10,6 +11,7 @@ mod terms;
 #[cfg(feature = "tradeoff")]
 mod tradeoff;
 
+pub use bsdf::{BSDF_SCHEMA, BsdfFile, BsdfSheet, certificate_json};
 pub use colours::colours_csv;
 pub use curves::curves_csv;
 pub use json::{fit_json, read_fit_json};

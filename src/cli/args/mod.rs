@@ -1,6 +1,7 @@
 //! The command line as clap reads it. Help texts are sentences with units and defaults.
 #![allow(clippy::doc_markdown, reason = "the comments are help texts, which a terminal shows as they are")]
 
+mod bsdf;
 mod drawing;
 mod measurement;
 mod problem;
@@ -10,6 +11,7 @@ mod table;
 mod tradeoff;
 mod words;
 
+pub(crate) use bsdf::{BsdfArgs, ImportBsdfArgs, WavelengthChoice};
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;
 pub(crate) use problem::{AverageArgs, LAYERS, ModelArgs, NuisanceArgs, ParameterArgs, ProblemArgs, ReadingArgs};
@@ -83,6 +85,13 @@ pub(crate) enum Command {
     /// table.npy or table.csv, table.json, table.svg.
     #[command(args_override_self = true)]
     Table(TableArgs),
+    /// Write the surface as `.bsdf` files that Mitsuba 3, pbrt-v4 and powitacq load, with as many nodes as a tolerance needs and a
+    /// certificate of what they keep: wing_spectral.bsdf, wing_rgb.bsdf, certificate.json, albedo.svg.
+    #[command(args_override_self = true, mut_arg("model", |model| model.default_value("hybrid")))]
+    Bsdf(BsdfArgs),
+    /// Read a measured material of the RGL database, isotropic or not, into a CSV file that can be fitted.
+    #[command(args_override_self = true)]
+    ImportBsdf(ImportBsdfArgs),
     /// Draw the figures and the table of the paper, as printed and right, with the differences in numbers: README.md and its
     /// pictures.
     #[command(args_override_self = true)]
