@@ -1,9 +1,11 @@
 //! What a table keeps of its model: reciprocity, energy and values, in numbers.
 
-use super::directions::{direction, dot, jacobian, mirrored, unsquare};
+use super::directions::{direction, mirrored, unsquare};
 use super::sizing::{Mean, Pair, anywhere};
+use super::source::Scratch;
+use super::surface::albedos;
 use super::tabulate::share;
-use super::{BsdfError, MeasuredBsdf, Source};
+use super::{BsdfError, MeasuredBsdf, Source, Surface};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
@@ -64,62 +66,6 @@ pub struct Certificate {
     pub directions: usize,
 }
 
-/// Anything with `f cos(theta_o)` in a number of channels.
-pub trait Surface: Sync {
-    /// Number of channels.
-    fn channels(&self) -> usize;
-
-    /// `f cos(theta_o)` in each channel, 1/sr.
-    ///
-    /// # Errors
-    /// [`BsdfError`] where there is no value.
-    fn values(&self, incoming: [f64; 3], outgoing: [f64; 3], out: &mut [f64]) -> Result<(), BsdfError>;
-
-    /// Share of the light from `(theta, phi)`, rad, that leaves again, in each channel, summed over at least `points` half vectors along
-    /// each side of their square.
-    ///
-    /// # Errors
-    /// [`BsdfError`] where there is no value.
-    fn albedo(&self, theta: f64, phi: f64, points: usize) -> Result<Vec<f64>, BsdfError> {
-        let incoming = direction(theta, phi);
-        let (mut sums, mut values) = (vec![0.0; self.channels()], vec![0.0; self.channels()]);
-        let step = 0.5 * share(1, points + 1);
-        for row in 0..points {
-            for column in 0..points {
-                // The middle of each cell.
-                let place = [column, row].map(|index| share(index, points + 1) + step);
-                let [theta_m, phi_m] = unsquare(place);
-                let normal = direction(theta_m, phi_m);
-                let Some(outgoing) = mirrored(incoming, normal) else { continue };
-                self.values(incoming, outgoing, &mut values)?;
-                let solid = 4.0 * step * step * jacobian(place[0], theta_m, dot(incoming, normal));
-                sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += solid * value);
-            }
-        }
-        Ok(sums)
-    }
-}
-
-impl Surface for Source<'_> {
-    fn channels(&self) -> usize {
-        Source::channels(self)
-    }
-
-    fn values(&self, incoming: [f64; 3], outgoing: [f64; 3], out: &mut [f64]) -> Result<(), BsdfError> {
-        self.evaluate(incoming, outgoing, out)
-    }
-}
-
-impl Surface for MeasuredBsdf {
-    fn channels(&self) -> usize {
-        self.fields().channels()
-    }
-
-    fn values(&self, incoming: [f64; 3], outgoing: [f64; 3], out: &mut [f64]) -> Result<(), BsdfError> {
-        self.evaluate(incoming, outgoing, out)
-    }
-}
-
 /// Measures a table of `source`.
 ///
 /// # Seed
@@ -164,12 +110,12 @@ fn at_nodes(source: &Source<'_>, table: &MeasuredBsdf) -> Result<f64, BsdfError>
         let node = |axis: &[f32], index: usize| axis.get(index).copied().map_or(0.0, f64::from);
         let angles = fields.theta_i.len();
         let incoming = direction(node(&fields.theta_i, slice % angles), node(&fields.phi_i, slice / angles));
-        let mut values = vec![0.0; channels];
+        let (mut scratch, mut values) = (Scratch::default(), vec![0.0; channels]);
         let mut worst = 0.0_f64;
         for index in 0..plane {
             let [theta, phi] = unsquare([share(index % side, side), share(index / side, side)]);
             let Some(outgoing) = mirrored(incoming, direction(theta, phi)) else { continue };
-            source.evaluate(outgoing, incoming, &mut values)?;
+            source.fill(outgoing, incoming, &mut scratch, &mut values)?;
             for (channel, value) in values.iter().enumerate() {
                 let found = spectra.get(channel * plane + index).copied().map_or(0.0, f64::from);
                 // What sRGB cannot show became 0 in both directions.
@@ -246,10 +192,9 @@ fn largest(surface: &dyn Surface, table: &MeasuredBsdf) -> Result<Albedo, BsdfEr
     let phis: Vec<f64> =
         fields.phi_i.iter().copied().map(f64::from).filter(|phi| phi.abs() <= FRAC_PI_2 + 1e-6).collect();
     let places: Vec<[f64; 2]> = thetas.flat_map(|theta| phis.iter().map(move |&phi| [theta, phi])).collect();
-    let one = |&[theta, phi]: &[f64; 2]| surface.albedo(theta, phi, cells);
-    let albedos: Result<Vec<Vec<f64>>, BsdfError> = places.par_iter().map(one).collect();
+    let albedos = albedos(surface, &places, cells)?;
     let mut found = Albedo { largest: 0.0, theta_deg: 0.0, phi_deg: 0.0, wavelength_nm: None };
-    for ([theta, phi], albedos) in places.iter().zip(albedos?) {
+    for ([theta, phi], albedos) in places.iter().zip(albedos) {
         for (channel, largest) in albedos.into_iter().enumerate() {
             if largest > found.largest {
                 let wavelengths = fields.wavelengths.as_ref();

@@ -16,14 +16,16 @@ mod fields;
 mod measured;
 mod sizing;
 mod source;
+mod surface;
 mod tabulate;
 mod tensor;
 mod warp;
 
-pub use certificate::{Albedo, Certificate, Surface, Trial, certify};
+pub use certificate::{Albedo, Certificate, Trial, certify};
 pub use error::BsdfError;
 pub use measured::{MeasuredBsdf, MeasuredFields, Plane};
 pub use sizing::{Needs, Size, Sized, size};
 pub use source::Source;
+pub use surface::{Surface, albedos};
 pub use tabulate::{Tabulated, tabulate};
 pub use tensor::{Element, Tensor, TensorData, TensorFile};

@@ -1,4 +1,4 @@
-//! The model as the fields of a measured material.
+//! A surface as the fields of a measured material.
 //!
 //! `ndf` is 4, `sigma` 1 and `vndf` 1 everywhere: the factor `ndf / (4 sigma)` is 1, the warp is the identity, and `spectra` holds
 //! `f cos(theta_o)` at the nodes. `luminance`, by which renderers sample, is its mean over the channels times the solid angle of a node.
@@ -6,8 +6,7 @@
 use super::directions::{direction, dot, jacobian, mirrored, unsquare};
 use super::measured::{MeasuredFields, Plane};
 use super::sizing::Size;
-use super::source::Scratch;
-use super::{BsdfError, Source};
+use super::{BsdfError, Surface};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -54,18 +53,18 @@ pub(super) fn single(value: f64) -> f32 {
     value as f32
 }
 
-/// Fills a table: the wavelengths, or channels, of `source` at the directions of `size`, in parallel, with the same bits on any number of
+/// Fills a table: the channels of `surface` at the directions of `size`, in parallel, with the same bits on any number of
 /// threads.
 ///
 /// Channels below 0, which colours outside sRGB have, become 0; [`Tabulated`] says how much that is.
 ///
 /// # Errors
-/// [`BsdfError::Nodes`] for a size that is none, or that does not have the channels of the source; [`BsdfError::Dark`] where all values are 0;
-/// [`BsdfError::Optics`] where the model has no answer.
-pub fn tabulate(source: &Source<'_>, size: &Size, description: &str) -> Result<Tabulated, BsdfError> {
+/// [`BsdfError::Nodes`] for a size that is none, or that does not have the channels of the surface; [`BsdfError::Dark`] where all values are 0;
+/// and those of the surface.
+pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result<Tabulated, BsdfError> {
     size.check()?;
-    if size.channels != source.channels() {
-        let (count, needed) = (size.channels, source.channels());
+    if size.channels != surface.channels() {
+        let (count, needed) = (size.channels, surface.channels());
         return Err(BsdfError::Nodes { axis: "channels", count, least: needed, most: needed });
     }
     let [phi_i, theta_i] = axes(size);
@@ -83,13 +82,13 @@ pub fn tabulate(source: &Source<'_>, size: &Size, description: &str) -> Result<T
             let (azimuth, angle) = (slice / theta_i.len(), slice % theta_i.len());
             let incoming = direction(node(&theta_i, angle), node(&phi_i, azimuth));
             let mut found = Found::default();
-            let (mut scratch, mut values) = (Scratch::default(), vec![0.0; channels]);
+            let mut values = vec![0.0; channels];
             for (index, weight) in luminance.iter_mut().enumerate() {
                 let place = [share(index % side, side), share(index / side, side)];
                 let [theta, phi] = unsquare(place);
                 let normal = direction(theta, phi);
                 let Some(outgoing) = mirrored(incoming, normal) else { continue };
-                source.fill(incoming, outgoing, &mut scratch, &mut values)?;
+                surface.values(incoming, outgoing, &mut values)?;
                 found.add(&mut values);
                 let mean = values.iter().sum::<f64>() / share_count(channels);
                 *weight = single(mean * jacobian(place[0], theta, dot(incoming, normal)));
@@ -112,7 +111,7 @@ pub fn tabulate(source: &Source<'_>, size: &Size, description: &str) -> Result<T
         description: description.to_owned(),
         theta_i,
         phi_i,
-        wavelengths: source.wavelengths().map(|wavelengths| wavelengths.iter().copied().map(single).collect()),
+        wavelengths: surface.wavelengths().map(|wavelengths| wavelengths.into_iter().map(single).collect()),
         ndf: everywhere(4.0),
         sigma: everywhere(1.0),
         vndf: Plane { size: [2, 2], values: vec![1.0; 4 * slices] },

@@ -21,7 +21,7 @@ pub(crate) struct BsdfArgs {
 #[command(next_help_heading = "Table")]
 pub(crate) struct BsdfChoiceArgs {
     /// Root mean square error between the nodes, over directions and wavelengths with light, as a share of the largest value.
-    #[arg(long, value_name = "SHARE", default_value = "0.02", value_parser = values::positive)]
+    #[arg(long, value_name = "SHARE", default_value = "0.015", value_parser = values::positive)]
     pub(crate) tolerance: f64,
     /// First and last wavelength, nm: Mitsuba samples 360 to 830, and holds the ends beyond them.
     #[arg(long, value_name = "FIRST:LAST", default_value = "360:830", value_parser = ends)]

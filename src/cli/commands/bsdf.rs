@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::subject::Subject;
 use anyhow::{Context, Result};
 use morpho_fit::bsdf::{
-    BsdfError, Certificate, MeasuredBsdf, Needs, Size, Source, Surface, Tabulated, certify, size, tabulate,
+    BsdfError, Certificate, MeasuredBsdf, Needs, Size, Source, Tabulated, albedos, certify, size, tabulate,
 };
 use morpho_fit::export::{BsdfFile, BsdfSheet, certificate_json};
 use morpho_fit::optics::{HybridModel, Join};
@@ -208,10 +208,10 @@ fn figure(subject: &Subject, source: &Source<'_>, table: &MeasuredBsdf) -> Resul
             .filter_map(|&channel| wavelengths.get(channel))
             .map(|wavelength| AlbedoCurve { name: format!("{wavelength:.0} nm"), ..AlbedoCurve::default() })
             .collect();
-        for &theta in &theta_deg {
-            let phi = radians(if theta < 0.0 { omega - 180.0 } else { omega });
-            let theta = radians(theta.abs());
-            let (of_table, of_model) = (table.albedo(theta, phi, POINTS)?, source.albedo(theta, phi, POINTS)?);
+        let incidence = |theta: &f64| [theta.abs(), if *theta < 0.0 { omega - 180.0 } else { omega }].map(radians);
+        let incidences: Vec<[f64; 2]> = theta_deg.iter().map(incidence).collect();
+        let (of_table, of_model) = (albedos(table, &incidences, POINTS)?, albedos(source, &incidences, POINTS)?);
+        for (of_table, of_model) in of_table.iter().zip(&of_model) {
             for (curve, &channel) in curves.iter_mut().zip(&channels) {
                 curve.table.extend(of_table.get(channel).copied());
                 curve.model.extend(of_model.get(channel).copied());
