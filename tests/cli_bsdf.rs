@@ -58,7 +58,7 @@ fn the_files_are_certified() {
 #[test]
 fn what_is_imported_is_the_model_and_its_fit_finds_the_structure() {
     let folder = TempDir::new().unwrap();
-    succeeds(&folder, "bsdf --tolerance 0.02 --directions 2000 --out here --quiet");
+    succeeds(&folder, "bsdf --wavelengths 400:650 --directions 2000 --out here --quiet");
     let numbers = &certificate(&folder, "here")["files"][0]["certificate"];
     let number = |path: &str| numbers.pointer(path).and_then(Value::as_f64).unwrap();
     let (peak, rms, worst) = (number("/peak_per_sr"), number("/error/rms"), number("/error/worst"));
@@ -78,8 +78,11 @@ fn what_is_imported_is_the_model_and_its_fit_finds_the_structure() {
     assert!(data.readings().iter().all(|reading| (400.0..=650.0).contains(&reading.wavelength)));
     succeeds(&folder, "fit wing.csv --model hybrid --out fit --no-plots --quiet");
     let fit = outcome(&folder, "fit");
-    let [air, cuticle] = [fit.parameters.d_air.value.unwrap(), fit.parameters.d_cuticle.value.unwrap()];
-    assert!((air - 141.0).abs() < 1.5 && (cuticle - 62.0).abs() < 1.5, "{air} {cuticle}");
+    // What the interpolation leaves is no noise: the fit says so, and its intervals hold the truth.
+    for (estimate, truth) in [(&fit.parameters.d_air, 141.0), (&fit.parameters.d_cuticle, 62.0)] {
+        let (value, [low, high]) = (estimate.value.unwrap(), estimate.interval_95.unwrap().map(Option::unwrap));
+        assert!((value - truth).abs() < 2.5 && low <= truth && truth <= high, "{estimate:?}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::directions::{direction, mirrored, unsquare};
 use super::sizing::{Mean, Pair, anywhere};
 use super::source::Scratch;
 use super::surface::albedos;
-use super::tabulate::share;
+use super::tabulate::{DARK, share};
 use super::{BsdfError, MeasuredBsdf, Source, Surface};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -83,11 +83,10 @@ pub fn certify(
     if fields.channels() != source.channels() || fields.wavelengths.is_some() != source.wavelengths().is_some() {
         return Err(BsdfError::Channels("the table has other channels than the surface"));
     }
-    let peak = fields.spectra.iter().copied().fold(0.0, f32::max);
-    if peak <= 0.0 {
+    let peak = f64::from(fields.spectra.iter().copied().fold(0.0, f32::max));
+    if peak <= DARK {
         return Err(BsdfError::Dark);
     }
-    let peak = f64::from(peak);
     let (error, exchanged) = at_random(source, table, directions, seed)?;
     let trial = |mean: Mean| Trial { rms: mean.square().sqrt() / peak, worst: mean.largest() / peak };
     Ok(Certificate {

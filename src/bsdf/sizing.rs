@@ -5,7 +5,7 @@
 
 use super::directions::{angles, direction, half, mirrored, square, unsquare};
 use super::source::Scratch;
-use super::tabulate::{axes, share, single};
+use super::tabulate::{DARK, axes, share, single};
 use super::warp::Between;
 use super::{BsdfError, Source};
 use rand::{Rng, SeedableRng};
@@ -118,7 +118,7 @@ pub fn size(source: &Source<'_>, needs: &Needs) -> Result<Sized, BsdfError> {
     let probes = lit(&fine, needs.seed)?;
     let exact = spectra(&fine, &probes)?;
     let peak = exact.iter().flatten().copied().fold(0.0, f64::max);
-    if peak <= 0.0 {
+    if peak <= DARK {
         return Err(BsdfError::Dark);
     }
     // Errors of wavelengths and of directions are nearly independent: their squares add up.

@@ -18,6 +18,8 @@ const TOWARDS_HORIZON: f64 = 1.5;
 /// Least weight for sampling, as a share of the mean of its plane: with less, rare paths would be bright dots in a picture; with more,
 /// paths would be spent on the dark.
 const FLOOR: f64 = 0.01;
+/// Largest value of a surface that reflects nothing, 1/sr: what rounding leaves of layers of one index.
+pub(super) const DARK: f64 = 1e-12;
 
 /// A table with what was found while it was filled.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +105,7 @@ pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result
         })
         .collect::<Result<Vec<Found>, BsdfError>>()?;
     let found = found.into_iter().fold(Found::default(), Found::with);
-    if found.peak <= 0.0 {
+    if found.peak <= DARK {
         return Err(BsdfError::Dark);
     }
     let everywhere = |value: f32| Plane { size: [2, 2], values: vec![value; 4] };
