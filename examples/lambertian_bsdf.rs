@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1);
     for (name, wavelengths) in [("lambertian_spectral.bsdf", Some(vec![360.0, 830.0])), ("lambertian_rgb.bsdf", None)] {
         let paper = Lambertian { albedo: 0.5, wavelengths };
-        let size = Size { azimuths: 9, angles: 16, side: 32, channels: paper.channels() };
+        let size = Size { azimuths: 17, angles: 16, side: 32, channels: paper.channels() };
         let fields = tabulate(&paper, &size, "Lambertian, albedo 0.5")?.fields;
         match &folder {
             Some(folder) => std::fs::write(Path::new(folder).join(name), fields.into_bytes()?)?,

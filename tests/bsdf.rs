@@ -188,14 +188,14 @@ fn lambertian(size: &Size) -> MeasuredFields {
 
 #[test]
 fn a_half_white_lambertian_has_the_albedo_a_half() {
-    let table = MeasuredBsdf::new(lambertian(&Size { azimuths: 9, angles: 16, side: 32, channels: 3 })).unwrap();
+    let table = MeasuredBsdf::new(lambertian(&Size { azimuths: 17, angles: 16, side: 32, channels: 3 })).unwrap();
     let mut value = [0.0; 3];
     table.evaluate(direction(30.0, 20.0), direction(40.0, -100.0), &mut value).unwrap();
     let expected = 0.5 * FRAC_1_PI * 40.0_f64.to_radians().cos();
     assert!((value[1] - expected).abs() < 0.02 * expected, "{value:?} for {expected}");
     for theta in [0.0, 30.0, 60.0] {
         let albedo = table.albedo(f64::to_radians(theta), 0.3, 93).unwrap()[0];
-        assert!((albedo - 0.5).abs() < 0.01, "{albedo} at {theta}");
+        assert!((albedo - 0.5).abs() < 0.015, "{albedo} at {theta}");
     }
 }
 

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 ///     }
 /// }
 ///
-/// let size = Size { azimuths: 3, angles: 16, side: 32, channels: 1 };
+/// let size = Size { azimuths: 17, angles: 16, side: 32, channels: 1 };
 /// let table = MeasuredBsdf::new(tabulate(&Paper, &size, "paper")?.fields)?;
 /// assert!((table.albedo(0.5, 0.0, 93)?[0] - 1.0).abs() < 0.02);
 /// # Ok::<(), BsdfError>(())
