@@ -47,13 +47,14 @@
 //! simulation, rough or random structures, pigment, and colour of anything that is not a layer.
 //!
 //! Imports run downwards: `units`, `numerics` · `geometry`, `spectrum` · `optics`, `colorimetry`, `dataset`, `optimise` ·
-//! `uncertainty`, `synthetic`, `sweep`, `table` · `inversion`, `render` · `tradeoff` · `plot`, `export` · `report` · `python`
+//! `uncertainty`, `synthetic`, `sweep`, `table`, `bsdf` · `inversion`, `render` · `tradeoff` · `plot`, `export` · `report` · `python`
 //! (feature `python`). Only the program touches files, terminal and clock.
 #![cfg_attr(
     not(test),
     warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout, clippy::print_stderr)
 )]
 
+pub mod bsdf;
 pub mod colorimetry;
 pub mod dataset;
 pub mod export;

@@ -7,7 +7,7 @@ const FLOORS: [&[&str]; 9] = [
     &["units", "numerics"],
     &["geometry", "spectrum"],
     &["optics", "colorimetry", "dataset", "optimise"],
-    &["uncertainty", "synthetic", "sweep", "table", "brdf"],
+    &["uncertainty", "synthetic", "sweep", "table", "bsdf"],
     &["inversion", "render"],
     &["tradeoff"],
     &["plot", "export"],

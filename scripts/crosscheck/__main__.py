@@ -17,11 +17,11 @@ from pathlib import Path
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from . import averages, colours, errors, forward, objectives, optimisers, posterior
+from . import averages, colours, errors, forward, mitsuba, objectives, optimisers, posterior
 from .cases import ROOT
 from .table import Row, markdown
 
-PACKAGES = ("numpy", "scipy", "tmm", "nlopt", "emcee", "colour-science", "lmfit", "morpho-fit")
+PACKAGES = ("numpy", "scipy", "tmm", "nlopt", "emcee", "colour-science", "lmfit", "mitsuba", "morpho-fit")
 OWN_WORKLOADS = ROOT / "tests" / "reference" / "workloads"
 
 
@@ -75,6 +75,7 @@ def main() -> int:
         sections = {
             "Forward models and objective": forward.rows() + averages.rows() + objectives.rows(given),
             "Colours": colours.rows(),
+            "Files for renderers": mitsuba.rows(),
             "Error report of lmfit": errors.rows(),
             "Posterior": posterior.rows(chains, given),
         }

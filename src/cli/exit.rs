@@ -1,6 +1,7 @@
 //! Exit codes, and the one place where an error becomes words on the terminal.
 
 use crate::output;
+use morpho_fit::bsdf::BsdfError;
 use morpho_fit::dataset::Findings;
 use morpho_fit::inversion::{FitError, SettingsError};
 use morpho_fit::optics::OpticsError;
@@ -118,6 +119,14 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
             | RenderError::Mismatch { .. } => BAD_DATA,
             RenderError::TooLarge { .. } => NOT_CONVERGED,
             _ => USAGE,
+        });
+    }
+    if let Some(error) = cause.downcast_ref::<BsdfError>() {
+        return Some(match error {
+            BsdfError::Optics(error) => code_of_optics(error),
+            BsdfError::TooLarge { .. } => NOT_CONVERGED,
+            BsdfError::Nodes { .. } | BsdfError::Setting { .. } | BsdfError::Dark | BsdfError::Colour(_) => USAGE,
+            _ => BAD_DATA,
         });
     }
     if let Some(error) = cause.downcast_ref::<SimulationError>() {

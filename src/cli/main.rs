@@ -45,6 +45,8 @@ fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
         Some(Command::Sweep(args)) => commands::sweep::run(&args),
         Some(Command::Table(args)) => commands::table::run(&args),
         Some(Command::Render(args)) => commands::render::run(args),
+        Some(Command::Bsdf(args)) => commands::bsdf::run(&args),
+        Some(Command::ImportBsdf(args)) => commands::import_bsdf::run(&args),
         Some(Command::Paper(args)) => commands::paper::run(&args),
         Some(Command::Tradeoff(args)) => commands::tradeoff::run(&args),
         Some(Command::Simulate(args)) => commands::simulate::run(&args, line),

@@ -74,6 +74,8 @@ fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
             "curves",
             "sweep",
             "table",
+            "bsdf",
+            "import-bsdf",
             "paper",
             "tradeoff",
             "simulate",

@@ -32,6 +32,8 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
             | Command::Sweep(_)
             | Command::Table(_)
             | Command::Render(_)
+            | Command::Bsdf(_)
+            | Command::ImportBsdf(_)
             | Command::Paper(_)
             | Command::Tradeoff(_),
         ) => return Ok(cli),

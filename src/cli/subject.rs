@@ -25,6 +25,11 @@ pub(crate) struct Subject {
 
 impl Subject {
     pub(crate) fn read(args: &SubjectArgs) -> Result<Self> {
+        Self::read_with(args, ModelWord::Blend)
+    }
+
+    /// The same for a command with another model by default.
+    pub(crate) fn read_with(args: &SubjectArgs, default: ModelWord) -> Result<Self> {
         options::one_model(&args.model)?;
         let Some(path) = &args.fit else {
             let structure = options::structure(&args.structure, options::preset(&args.structure));
@@ -33,7 +38,7 @@ impl Subject {
             let folder = Path::new("fits").join(name);
             return Ok(Self { name: format!("preset {name}"), folder, structure, model, fit: None });
         };
-        if let Some(flag) = of_the_model(args) {
+        if let Some(flag) = of_the_model(args, default) {
             return Err(Usage(format!("{flag} is in the fit already, with the rest of its model; leave it out")).into());
         }
         if args.structure.preset.is_some() {
@@ -97,10 +102,10 @@ pub(crate) fn read_fit(path: &Path) -> Result<(String, FitOutcome)> {
 }
 
 /// The first flag of the model that is given.
-fn of_the_model(args: &SubjectArgs) -> Option<&'static str> {
+fn of_the_model(args: &SubjectArgs, default: ModelWord) -> Option<&'static str> {
     let model = &args.model;
     let given = [
-        ("--model", model.model != ModelWord::Blend),
+        ("--model", model.model != default),
         ("--snell", model.snell.is_some()),
         ("--admittance", model.admittance.is_some()),
         ("--lamella-unit", model.lamella_unit.is_some()),

@@ -1,5 +1,6 @@
 //! Results as bytes: `fit.json`, `curves.csv`, the samples behind intervals, tables. Nothing here opens a file.
 
+mod bsdf;
 mod colours;
 mod constant;
 mod curves;
@@ -15,6 +16,7 @@ mod terms;
 #[cfg(feature = "tradeoff")]
 mod tradeoff;
 
+pub use bsdf::{BSDF_SCHEMA, BsdfFile, BsdfSheet, certificate_json};
 pub use colours::colours_csv;
 pub use constant::{CONSTANT_SCHEMA, constant_csv, constant_json};
 pub use curves::curves_csv;

@@ -248,10 +248,15 @@ pub(crate) struct HybridNode {
 
 impl HybridNode {
     /// Of two unit vectors above the horizon, for f; `wavelength` in the ambient medium, nm.
-    fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
+    pub(crate) fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
         let pair = Pair::new(incoming, outgoing);
         let half_ku = PI * pair.u_x / wavelength;
         Self { angle: layer_angle(pair.v), half_ku, strength: wavelength.recip(), pair }
+    }
+
+    /// The same directions at another wavelength, of a node that was made for 1 nm.
+    pub(crate) fn at_wavelength(&self, wavelength: f64) -> Self {
+        Self { half_ku: self.half_ku / wavelength, strength: self.strength / wavelength, ..*self }
     }
 
     /// Of a reading in the plane of incidence, for `f cos_o`; angles at most pi/2 in size.

@@ -1,6 +1,7 @@
 //! The command line as clap reads it. Help texts are sentences with units and defaults.
 #![allow(clippy::doc_markdown, reason = "the comments are help texts, which a terminal shows as they are")]
 
+mod bsdf;
 mod constant;
 mod drawing;
 mod measurement;
@@ -12,6 +13,7 @@ mod table;
 mod tradeoff;
 mod words;
 
+pub(crate) use bsdf::{BsdfArgs, ImportBsdfArgs, WavelengthChoice};
 pub(crate) use constant::ConstantArgs;
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;
@@ -95,6 +97,13 @@ pub(crate) enum Command {
     /// view, views.png, render.json; or a flip-book, turn.png.
     #[command(args_override_self = true)]
     Render(RenderArgs),
+    /// Write the surface as `.bsdf` files that Mitsuba 3, pbrt-v4 and powitacq load, with as many nodes as a tolerance needs and a
+    /// certificate of what they keep: wing_spectral.bsdf, wing_rgb.bsdf, certificate.json, albedo.svg.
+    #[command(args_override_self = true, mut_arg("model", |model| model.default_value("hybrid")))]
+    Bsdf(BsdfArgs),
+    /// Read a measured material of the RGL database, isotropic or not, into a CSV file that can be fitted.
+    #[command(args_override_self = true)]
+    ImportBsdf(ImportBsdfArgs),
     /// Draw the figures and the table of the paper, as printed and right, with the differences in numbers: README.md and its
     /// pictures.
     #[command(args_override_self = true)]

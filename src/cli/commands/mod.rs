@@ -1,9 +1,11 @@
 //! One file for each word of the command line, each with one `run`.
 
+pub(crate) mod bsdf;
 pub(crate) mod check;
 pub(crate) mod constant;
 pub(crate) mod curves;
 pub(crate) mod fit;
+pub(crate) mod import_bsdf;
 mod intervals;
 pub(crate) mod paper;
 pub(crate) mod render;

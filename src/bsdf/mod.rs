@@ -1,0 +1,31 @@
+//! `.bsdf` files: a surface as today's renderers load it, and measured materials that come in this form.
+//!
+//! - [`TensorFile`]: named arrays, the container of the RGL material database.
+//! - [`MeasuredBsdf`]: a material in it, evaluated as the renderers do; spectral or red, green and blue, isotropic or not.
+//! - [`tabulate`]: the [`hybrid`](crate::optics::hybrid) model as such a material, with as many nodes as a tolerance needs ([`size`]).
+//! - [`certify`]: what the table keeps of the model: reciprocity, energy, values.
+//!
+//! The model is written with densities of facets that are 1 everywhere, so that the warp of the format maps the unit square to itself and the
+//! spectra are `f cos(theta_o)` on a regular grid of half vectors; nothing but the format's own interpolation stands between.
+//! No file is opened here: bytes come in, bytes go out.
+
+mod certificate;
+mod directions;
+mod error;
+mod fields;
+mod measured;
+mod sizing;
+mod source;
+mod surface;
+mod tabulate;
+mod tensor;
+mod warp;
+
+pub use certificate::{Albedo, Certificate, Trial, certify};
+pub use error::BsdfError;
+pub use measured::{MeasuredBsdf, MeasuredFields, Plane};
+pub use sizing::{Needs, Size, Sized, size};
+pub use source::Source;
+pub use surface::{Surface, albedos};
+pub use tabulate::{Tabulated, tabulate};
+pub use tensor::{Element, Tensor, TensorData, TensorFile};
