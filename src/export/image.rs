@@ -78,7 +78,7 @@ pub fn png(picture: &Pixels) -> Result<Vec<u8>, ExportError> {
 /// A frame: `[height][width][red, green, blue, alpha]`.
 ///
 /// # Errors
-/// That of a frame; as [`png`]; and for no frames, or another number of them than `count`.
+/// That of a frame; as [`png()`]; and for no frames, or another number of them than `count`.
 pub fn animated_png<E: From<ExportError>>(
     (width, height): (usize, usize),
     count: usize,
@@ -105,7 +105,7 @@ pub fn animated_png<E: From<ExportError>>(
 /// `values: [height][width][channels]`, from 0 to 1; what lies beyond is cut.
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn png16(width: usize, height: usize, channels: usize, values: &[f32]) -> Result<Vec<u8>, ExportError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, Pixels::side(width), Pixels::side(height));
