@@ -153,11 +153,11 @@ fn the_peak_of_a_patch_moves_to_shorter_wavelengths_by_the_law_of_the_stack() {
     let blue = Structure { delta: 0.0, ..Structure::blue() };
     let views = [0.0, 20.0, 35.0, 50.0].map(radians);
     let mut best = [(0.0, 0.0); 4];
-    for step in 0..75 {
-        let wavelength = 380.0 + 2.0 * f64::from(step);
+    for step in 0..43 {
+        let wavelength = 396.0 + 2.0 * f64::from(step);
         // A grid of a single wavelength: then Y is pi f there.
         let grid = Wavelengths::new(wavelength, wavelength + 1.0, 2.0).unwrap();
-        let (colours, white) = (lookup(&blue, &grid, [141.0; 2], 0.1), light(&grid).white());
+        let (colours, white) = (lookup(&blue, &grid, [141.0; 2], 0.5), light(&grid).white());
         for (best, view) in best.iter_mut().zip(views) {
             let scene = Scene::vertical_sun(view);
             let y = middle(&trace(&flat(FRAC_PI_2), &colours, &scene, (SIDE, SIDE), 1, white).unwrap())[1];

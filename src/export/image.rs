@@ -78,7 +78,7 @@ pub fn png(picture: &Pixels) -> Result<Vec<u8>, ExportError> {
 /// A frame: `[height][width][red, green, blue, alpha]`.
 ///
 /// # Errors
-/// That of a frame; as [`png`]; and for no frames, or another number of them than `count`.
+/// That of a frame; as [`png()`]; and for no frames, or another number of them than `count`.
 pub fn animated_png<E: From<ExportError>>(
     (width, height): (usize, usize),
     count: usize,
@@ -89,6 +89,7 @@ pub fn animated_png<E: From<ExportError>>(
     let broken = |error: png::EncodingError| E::from(ExportError::from(error));
     let mut encoder = Pixels { width, height, bytes: Vec::new() }.encoder(&mut file, png::ColorType::Rgba);
     encoder.set_animated(Pixels::side(count), 0).map_err(broken)?;
+    encoder.validate_sequence(true);
     encoder.set_frame_delay(1, frames_per_second.get()).map_err(broken)?;
     let mut writer = encoder.write_header().map_err(broken)?;
     for frame in frames {
@@ -104,7 +105,7 @@ pub fn animated_png<E: From<ExportError>>(
 /// `values: [height][width][channels]`, from 0 to 1; what lies beyond is cut.
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn png16(width: usize, height: usize, channels: usize, values: &[f32]) -> Result<Vec<u8>, ExportError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, Pixels::side(width), Pixels::side(height));
@@ -122,4 +123,47 @@ pub fn png16(width: usize, height: usize, channels: usize, values: &[f32]) -> Re
     writer.write_image_data(&bytes)?;
     writer.finish()?;
     Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: NonZero<u16> = NonZero::new(10).unwrap();
+
+    fn plain(width: usize, height: usize, pixel: [u8; 4]) -> Pixels {
+        Pixels { width, height, bytes: pixel.repeat(width * height) }
+    }
+
+    #[test]
+    fn an_opaque_picture_has_no_alpha() {
+        let decoded = |file: Vec<u8>| crate::render::Raster::from_png(&file).unwrap();
+        let opaque = decoded(png(&plain(3, 2, [255, 0, 51, 255])).unwrap());
+        assert_eq!((opaque.width(), opaque.height(), opaque.values()), (3, 2, &[1.0, 0.0, 0.2].repeat(6)[..]));
+        let clear = decoded(png(&plain(3, 2, [255, 0, 51, 102])).unwrap());
+        assert_eq!((clear.channels(), clear.alpha(2, 1)), (4, Some(0.4)));
+    }
+
+    #[test]
+    fn pictures_are_stacked_if_they_have_the_same_width() {
+        let stacked = Pixels::stacked(&[plain(2, 1, [1; 4]), plain(2, 3, [2; 4])]).unwrap();
+        assert_eq!((stacked.width, stacked.height), (2, 4));
+        assert_eq!((stacked.bytes[7], stacked.bytes[8]), (1, 2));
+        assert!(Pixels::stacked(&[plain(2, 1, [1; 4]), plain(3, 1, [2; 4])]).is_none());
+        assert!(Pixels::stacked(&[]).is_none());
+    }
+
+    #[test]
+    fn what_is_no_picture_is_refused() {
+        assert!(png(&Pixels { bytes: vec![0; 7], ..plain(1, 2, [0; 4]) }).is_err());
+        assert!(png(&plain(0, 2, [0; 4])).is_err());
+        let animated = |count, given: usize| {
+            let frames = (0..given).map(|_| Ok(vec![9; 16]));
+            animated_png::<ExportError>((2, 2), count, RATE, frames)
+        };
+        assert!(animated(2, 2).is_ok());
+        for (count, given) in [(0, 0), (2, 1)] {
+            assert!(animated(count, given).is_err(), "{given} of {count} frames");
+        }
+    }
 }

@@ -125,10 +125,12 @@ impl ColourLookup {
         }
         let pair = Pair::new(incoming, outgoing);
         let shape = self.shape.at(&pair);
-        if shape <= 0.0 {
-            return [0.0; 3];
+        // Vectors that are none, such as of NaN, are black too.
+        if shape > 0.0 && shape.is_finite() {
+            self.interpolated(gap, pair.v, pair.u_x.abs()).map(|value| shape * f64::from(value))
+        } else {
+            [0.0; 3]
         }
-        self.interpolated(gap, pair.v, pair.u_x.abs()).map(|value| shape * f64::from(value))
     }
 
     /// Spectra of the light of pixels ([`LookupError::worst`]) in random pairs of directions and gaps, by 1 nm
