@@ -13,9 +13,7 @@ use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
 /// Points along each side of the square of half vectors, at least, that an albedo is summed over.
-const POINTS: usize = 64;
-/// Angle beyond the last node at which an albedo is taken too, as a share of a right angle.
-const GRAZING: f64 = 0.998;
+const POINTS: usize = 48;
 /// Directions with light that share their wavelengths.
 const BLOCK: usize = 125;
 /// Wavelengths between those of the table that each of these directions is judged at.
@@ -56,7 +54,7 @@ pub struct Certificate {
     pub reciprocity_at_nodes: f64,
     /// The same between nodes: the table against itself with source and view exchanged, at the random directions.
     pub reciprocity_between_nodes: Trial,
-    /// Largest albedo of the table, over incidences at and between its nodes, and its channels.
+    /// Largest albedo of the table, over incidences at its nodes and between its angles, and its channels.
     pub albedo_of_table: Albedo,
     /// Largest albedo of the model at the same incidences.
     pub albedo_of_model: Albedo,
@@ -183,11 +181,13 @@ fn at_random(
     Ok(all?.into_iter().fold((Mean::default(), Mean::default()), both))
 }
 
-/// The largest albedo over the incidences of the table, at and between nodes; mirror images across the ridges are left out.
+/// The largest albedo over the incidences of the table, at nodes and halfway between angles; mirror images across the ridges are left out.
 fn largest(surface: &dyn Surface, table: &MeasuredBsdf) -> Result<Albedo, BsdfError> {
     let fields = table.fields();
     let cells = (fields.side - 1) * POINTS.div_ceil(fields.side - 1);
-    let thetas = fields.theta_i.iter().copied().map(f64::from).chain([GRAZING * FRAC_PI_2]);
+    let nodes: Vec<f64> = fields.theta_i.iter().copied().map(f64::from).collect();
+    let middles = nodes.iter().zip(nodes.iter().skip(1)).map(|(low, high)| 0.5 * (low + high));
+    let thetas = nodes.iter().copied().chain(middles);
     let phis: Vec<f64> =
         fields.phi_i.iter().copied().map(f64::from).filter(|phi| phi.abs() <= FRAC_PI_2 + 1e-6).collect();
     let places: Vec<[f64; 2]> = thetas.flat_map(|theta| phis.iter().map(move |&phi| [theta, phi])).collect();

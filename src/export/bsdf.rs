@@ -98,7 +98,7 @@ pub fn certificate_json(sheet: &BsdfSheet<'_>) -> Result<Vec<u8>, ExportError> {
             "reciprocity_at_nodes": "|T(i, o) cos_i - M(o, i) cos_o| / peak, worst of all nodes; T table, M model, both f cos of the second vector",
             "reciprocity_between_nodes": "|T(i, o) cos_i - T(o, i) cos_o| / peak at random directions",
             "error": "|T - M| / peak at random directions in which table or model has light, spectra at random wavelengths",
-            "albedo": "integral of f cos(theta_o) over the hemisphere, largest over incidences up to 89.8 degrees and channels",
+            "albedo": "integral of f cos(theta_o) over the hemisphere, largest over channels and incidences at nodes and between angles",
         },
         "files": files,
     });

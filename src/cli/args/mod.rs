@@ -97,8 +97,8 @@ pub(crate) enum Command {
     /// view, views.png, render.json; or a flip-book, turn.png.
     #[command(args_override_self = true)]
     Render(RenderArgs),
-    /// Write the surface as `.bsdf` files that Mitsuba 3, pbrt-v4 and powitacq load, with as many nodes as a tolerance needs and a
-    /// certificate of what they keep: wing_spectral.bsdf, wing_rgb.bsdf, certificate.json, albedo.svg.
+    /// Write the surface as `.bsdf` files in the layout of the RGL database, which Mitsuba 3 loads, with as many nodes as a tolerance
+    /// needs and a certificate of what they keep: wing_spectral.bsdf, wing_rgb.bsdf, certificate.json, albedo.svg.
     #[command(args_override_self = true, mut_arg("model", |model| model.default_value("hybrid")))]
     Bsdf(BsdfArgs),
     /// Read a measured material of the RGL database, isotropic or not, into a CSV file that can be fitted.
