@@ -159,3 +159,22 @@ fn what_cannot_be_tabled_is_refused_and_leaves_nothing() {
         assert!(names(folder.path()).is_empty(), "{flags} left {:?}", names(folder.path()));
     }
 }
+
+/// Plane waves where they are enough: a band of 1 nm moves no colour, a period that varies by 20 nm does.
+#[test]
+fn averages_are_computed_where_the_tolerance_needs_them() {
+    let folder = TempDir::new().unwrap();
+    for (flags, computed) in [("--bandwidth 1", false), ("--period-spread 20", true)] {
+        let told = succeeds(&folder, &format!("{SMALL} {flags} --out out"));
+        let about = json(&folder, "out");
+        let averages = &about["averages"];
+        assert_eq!(averages["computed"], computed, "{flags}: {averages}");
+        let missed = averages["difference_of_plane_waves"].as_f64().unwrap();
+        assert_eq!(missed > 2.7, computed, "{flags}: {missed}");
+        // What the table is judged by is the averaged model in either case.
+        assert!(about["error"]["worst"].as_f64().unwrap() <= 3.0);
+        assert!(told.out.contains(if computed { "and computed" } else { "and left out" }), "{}", told.out);
+    }
+    succeeds(&folder, &format!("{SMALL} --out plain"));
+    assert!(json(&folder, "plain")["averages"].is_null());
+}

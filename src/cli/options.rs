@@ -271,6 +271,16 @@ pub(crate) fn forward(args: &ModelArgs) -> Result<Box<dyn ReflectivityModel>> {
     built(&settings)
 }
 
+/// The same without averages over cone, band and spreads, and these; none where there are none.
+pub(crate) fn without_averages(args: &ModelArgs) -> Result<Option<(Box<dyn ReflectivityModel>, Averages)>> {
+    let averages = averages(args)?;
+    if averages.is_none() {
+        return Ok(None);
+    }
+    let plain = built(&FitSettings { model: model(args)?, stack: stack(args)?, ..FitSettings::default() })?;
+    Ok(Some((plain, averages)))
+}
+
 /// The preset that is named.
 pub(crate) fn preset(args: &StructureArgs) -> Structure {
     match args.preset.unwrap_or(PresetWord::Blue) {

@@ -6,8 +6,8 @@ use crate::{options, output};
 use anyhow::{Context, Result};
 use morpho_fit::export::read_fit_json;
 use morpho_fit::inversion::Parameter;
-use morpho_fit::inversion::{FitOutcome, structure};
-use morpho_fit::optics::{ReflectivityModel, Structure};
+use morpho_fit::inversion::{FitOutcome, FitSettings, structure};
+use morpho_fit::optics::{Averages, ReflectivityModel, Structure};
 use std::path::{Path, PathBuf};
 
 /// The structure with everything that is needed to draw it.
@@ -19,6 +19,8 @@ pub(crate) struct Subject {
     pub(crate) folder: PathBuf,
     pub(crate) structure: Structure,
     pub(crate) model: Box<dyn ReflectivityModel>,
+    /// The same without its averages, and these; none where there are none.
+    pub(crate) plain: Option<(Box<dyn ReflectivityModel>, Averages)>,
     /// The fit that it comes from.
     pub(crate) fit: Option<FitOutcome>,
 }
@@ -33,10 +35,10 @@ impl Subject {
         options::one_model(&args.model)?;
         let Some(path) = &args.fit else {
             let structure = options::structure(&args.structure, options::preset(&args.structure));
-            let model = options::forward(&args.model)?;
+            let (model, plain) = (options::forward(&args.model)?, options::without_averages(&args.model)?);
             let name = args.structure.preset.unwrap_or(PresetWord::Blue).name();
             let folder = Path::new("fits").join(name);
-            return Ok(Self { name: format!("preset {name}"), folder, structure, model, fit: None });
+            return Ok(Self { name: format!("preset {name}"), folder, structure, model, plain, fit: None });
         };
         if let Some(flag) = of_the_model(args, default) {
             return Err(Usage(format!("{flag} is in the fit already, with the rest of its model; leave it out")).into());
@@ -63,9 +65,13 @@ impl Subject {
         for (value, parameter) in values.iter_mut().zip(Parameter::ALL) {
             *value = parameter.inside(*value);
         }
-        let model = outcome.settings.forward().ok()?;
+        let settings = &outcome.settings;
+        let model = settings.forward().ok()?;
+        let plain = FitSettings { averages: Averages::default(), ..settings.clone() };
+        let averages = settings.averages;
+        let plain = if averages.is_none() { None } else { Some((plain.forward().ok()?, averages)) };
         let (name, folder) = (name.to_owned(), PathBuf::new());
-        Some(Self { name, folder, structure: structure(&values), model, fit: Some(outcome.clone()) })
+        Some(Self { name, folder, structure: structure(&values), model, plain, fit: Some(outcome.clone()) })
     }
 
     /// The five values in one line.

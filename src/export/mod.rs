@@ -27,7 +27,7 @@ pub use json::{fit_json, read_fit_json};
 pub use npy::npy;
 pub use render::{RENDER_SCHEMA, RenderSheet, render_json};
 pub use samples::{bootstrap_csv, posterior_csv, profile_csv};
-pub use table::{MOST_ROWS, TABLE_SCHEMA, TableSheet, table_csv, table_json};
+pub use table::{MOST_ROWS, TABLE_SCHEMA, TableAverages, TableSheet, table_csv, table_json};
 pub use terms::terms_csv;
 #[cfg(feature = "tradeoff")]
 pub use tradeoff::tradeoff_csv;

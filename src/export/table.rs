@@ -4,7 +4,7 @@ use super::ExportError;
 use super::curves::{angle, number};
 use crate::geometry::Polarization;
 use crate::inversion::{Parameter, values};
-use crate::optics::{Stack, Structure};
+use crate::optics::{Averages, Stack, Structure};
 use crate::spectrum::Wavelengths;
 use crate::table::{Judged, Needs, Nodes, Table};
 use crate::units::degrees;
@@ -14,6 +14,17 @@ use serde_json::{Map, json};
 pub const TABLE_SCHEMA: &str = "morpho-fit/table/1";
 /// Nodes of a table that is written as text, at most.
 pub const MOST_ROWS: usize = 1_000_000;
+
+/// The averages of what is tabled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TableAverages<'a> {
+    /// Their widths.
+    pub averages: &'a Averages,
+    /// Whether they are left out, as plane waves stay within the tolerance.
+    pub plane_waves: bool,
+    /// Largest CIEDE2000 difference of plane waves in random directions.
+    pub missed: f64,
+}
 
 /// What stands beside the values of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +37,8 @@ pub struct TableSheet<'a> {
     pub spectra: bool,
     /// Name of the forward model.
     pub model: &'a str,
+    /// What is averaged over; none where nothing is.
+    pub averages: Option<TableAverages<'a>>,
     /// The stack.
     pub stack: &'a Stack,
     /// The structure.
@@ -64,6 +77,16 @@ pub fn table_json(sheet: &TableSheet<'_>) -> Result<Vec<u8>, ExportError> {
         let value = (parameter.outside(value) * 1e9).round() / 1e9;
         parameters.insert(format!("{}_{}", parameter.name(), parameter.unit()), json!(value));
     }
+    let averages = sheet.averages.as_ref().map(|TableAverages { averages, plane_waves, missed }| {
+        json!({
+            "numerical_aperture": averages.numerical_aperture,
+            "bandwidth_nm": averages.bandwidth,
+            "period_spread_nm": averages.period_spread,
+            "tilt_spread_deg": rounded(averages.tilt_spread),
+            "computed": !plane_waves,
+            "difference_of_plane_waves": missed,
+        })
+    });
     let ends = |ends: [f64; 2]| ends.map(rounded);
     let (second, turn) = (nodes.kind().name(), nodes.turn().name());
     let quantity = if sheet.spectra { "reflectivity at each wavelength, a fraction" } else { "linear sRGB" };
@@ -90,6 +113,7 @@ pub fn table_json(sheet: &TableSheet<'_>) -> Result<Vec<u8>, ExportError> {
         "model": sheet.model,
         "structure": parameters,
         "stack": sheet.stack,
+        "averages": averages,
         "polarization": sheet.polarization.word(),
         "observer": sheet.observer,
         "illuminant": sheet.illuminant,

@@ -7,9 +7,10 @@ use crate::output::{self, Folder, WIDTH};
 use crate::subject::Subject;
 use crate::viewing::viewing;
 use anyhow::{Context, Result};
-use morpho_fit::colorimetry::{GamutMapping, Integration, RgbSpace, RgbTransform, Xyz};
-use morpho_fit::export::{MOST_ROWS, TableSheet, npy, table_csv, table_json};
+use morpho_fit::colorimetry::{ColourError, GamutMapping, Integration, Lab, RgbSpace, RgbTransform, Xyz};
+use morpho_fit::export::{MOST_ROWS, TableAverages, TableSheet, npy, table_csv, table_json};
 use morpho_fit::geometry::{Geometry, Polarization};
+use morpho_fit::optics::ReflectivityModel;
 use morpho_fit::plot::Figure;
 use morpho_fit::plot::sweep::Cell;
 use morpho_fit::plot::table::{Plane, planes_figure};
@@ -32,6 +33,8 @@ const OF_WAVELENGTHS: f64 = 0.15;
 const OF_NODES: f64 = 0.9;
 /// Times that the wavelengths are chosen finer where both together miss the tolerance.
 const TRIES: usize = 4;
+/// Step of the wavelengths by which plane waves are held against averages, nm.
+const STEP_OF_TIERS: f64 = 5.0;
 /// Cells of the picture across and upwards.
 const PICTURE: (usize, usize) = (121, 61);
 
@@ -69,18 +72,29 @@ fn tabled(args: &TableArgs, subject: &Subject) -> Result<(Vec<String>, Files, Ve
     let range = Range { theta: ends(choice.theta), phi: ends(choice.phi), omega: ends(choice.omega) };
     let (tolerance, most, seed) = (choice.tolerance, choice.max_nodes, choice.seed);
     let needs = Needs { range, across: choice.across.value(), tolerance, most, seed };
-    let eye = Eye { subject, viewing: &viewing };
-    let chosen = match args.viewing.wavelengths {
+    let truth = Eye { subject, viewing: &viewing, model: subject.model.as_ref() };
+    let chosen_with = |eye: &Eye<'_>| match args.viewing.wavelengths {
         GridChoice::Of(grid) => {
-            let source = eye.relative(&grid)?;
-            let (relative, judged) = choose(&source, &source, &needs).map_err(smaller)?;
-            Chosen { relative, judged, grid, reference: grid }
+            let (relative, judged) = choose(&eye.relative(&grid)?, &truth.relative(&grid)?, &needs).map_err(smaller)?;
+            Ok(Chosen { relative, judged, grid, reference: grid })
         }
         GridChoice::Auto => {
             let largest = (OF_WAVELENGTHS * tolerance).min(args.viewing.max_difference);
-            eye.cheapest(&needs, largest).context("no table (--wavelengths 400:700:5 asks for other wavelengths)")?
+            let chosen = eye.cheapest(&truth, &needs, largest);
+            chosen.context("no table (--wavelengths 400:700:5 asks for other wavelengths)")
         }
     };
+    // Plane waves cost a hundredth of an average. Where they stay within the tolerance, none is needed.
+    let plain = subject.plain.as_ref().map(|(model, _)| Eye { model: model.as_ref(), ..truth });
+    let missed = plain.map(|eye| eye.misses(&truth, &needs)).transpose()?;
+    let plain = plain.filter(|_| missed.is_some_and(|missed| missed < OF_NODES * tolerance));
+    let (eye, chosen) = match plain.and_then(|eye| chosen_with(&eye).ok().map(|chosen| (eye, chosen))) {
+        Some(found) => found,
+        None => (truth, chosen_with(&truth)?),
+    };
+    let plane_waves = !std::ptr::addr_eq(eye.model, truth.model);
+    let averaged = subject.plain.as_ref().zip(missed);
+    let averaged = averaged.map(|((_, averages), missed)| TableAverages { averages, plane_waves, missed });
     let Chosen { relative, judged, grid, reference } = &chosen;
     let integration = eye.integration(grid)?;
     let display = RgbTransform::adapted(RgbSpace::Srgb, integration.white())?;
@@ -103,6 +117,7 @@ fn tabled(args: &TableArgs, subject: &Subject) -> Result<(Vec<String>, Files, Ve
         file,
         spectra: choice.spectra,
         model: subject.model.name(),
+        averages: averaged,
         stack: subject.model.stack(),
         structure: &subject.structure,
         polarization: SEEN,
@@ -149,9 +164,11 @@ struct Chosen {
     reference: Wavelengths,
 }
 
+#[derive(Clone, Copy)]
 struct Eye<'a> {
     subject: &'a Subject,
     viewing: &'a Viewing,
+    model: &'a dyn ReflectivityModel,
 }
 
 impl<'a> Eye<'a> {
@@ -161,17 +178,27 @@ impl<'a> Eye<'a> {
 
     fn source(&self, grid: &Wavelengths, quantity: Quantity) -> Result<Source<'a>, TableError> {
         let wavelengths: Vec<f64> = grid.iter().collect();
-        Source::new(self.subject.model.as_ref(), &self.subject.structure, SEEN, &wavelengths, quantity)
+        Source::new(self.model, &self.subject.structure, SEEN, &wavelengths, quantity)
     }
 
     fn relative(&self, grid: &Wavelengths) -> Result<Source<'a>> {
         Ok(self.source(grid, Quantity::Colour(self.integration(grid)?.relative_weights()))?)
     }
 
-    /// The coarsest wavelengths and the fewest nodes that together stay within the tolerance of spectra by 1 nm.
-    fn cheapest(&self, needs: &Needs, largest: f64) -> Result<Chosen> {
+    /// Largest CIEDE2000 difference from another model in random directions.
+    fn misses(&self, truth: &Eye<'_>, needs: &Needs) -> Result<f64> {
+        let grid = Wavelengths::visible(STEP_OF_TIERS)?;
+        let integration = self.integration(&grid)?;
+        let lab = |spectrum: &[f64]| Lab::new(integration.xyz(spectrum)?, integration.white());
+        let pairs = self.probes(&grid, needs)?.into_iter().zip(truth.probes(&grid, needs)?);
+        let differences = pairs.map(|(ours, theirs)| Ok(lab(&ours)?.difference(lab(&theirs)?)));
+        Ok(differences.collect::<Result<Vec<f64>, ColourError>>()?.into_iter().fold(0.0, f64::max))
+    }
+
+    /// The coarsest wavelengths and the fewest nodes that together stay within the tolerance of spectra by 1 nm of `truth`.
+    fn cheapest(&self, truth: &Eye<'_>, needs: &Needs, largest: f64) -> Result<Chosen> {
         let reference = Wavelengths::finest();
-        let (finest, probes) = (self.relative(&reference)?, self.probes(&reference, needs)?);
+        let (finest, probes) = (truth.relative(&reference)?, self.probes(&reference, needs)?);
         let mut last = None;
         let mut largest = largest;
         for _ in 0..TRIES {
@@ -284,8 +311,12 @@ fn told(subject: &Subject, viewing: &Viewing, sheet: &TableSheet<'_>) -> Vec<Str
     let TableSheet { table, wavelengths, reference, judged, needs, .. } = sheet;
     let nodes = table.nodes();
     let against = if wavelengths == reference { "the same wavelengths" } else { "wavelengths by 1 nm" };
+    let tier = sheet.averages.as_ref().map(|TableAverages { plane_waves, missed, .. }| {
+        let done = if *plane_waves { "and left out" } else { "and computed" };
+        format!("averages: plane waves on equal layers differ by ΔE₀₀ {missed:.2} at worst in random directions {done}")
+    });
     let [theta, phi, omega] = [judged.at.theta, judged.at.phi, judged.at.omega].map(degrees);
-    vec![
+    let mut lines = vec![
         subject.values(),
         format!(
             "{} × {} × {} = {} nodes (θ, {}, ω) of {}: {} bytes",
@@ -311,5 +342,7 @@ fn told(subject: &Subject, viewing: &Viewing, sheet: &TableSheet<'_>) -> Vec<Str
             viewing.observer.name(),
             viewing.illuminant.name()
         ),
-    ]
+    ];
+    lines.extend(tier);
+    lines
 }
