@@ -12,7 +12,8 @@ const MOST: usize = 2048;
 /// A grid of vertices over the square, displaced along z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Position, unit normal, and place in the maps: u to the right and v upwards, 0 to 1; row by row from the lower left.
+    /// Position, unit normal, and place in the maps: u to the right and v downwards, 0 to 1; row by row from the
+    /// upper left.
     pub vertices: Vec<[f32; 8]>,
     /// Vertices of each triangle, counterclockwise seen from above.
     pub triangles: Vec<[u32; 3]>,
@@ -38,9 +39,9 @@ impl Mesh {
     /// let step = Raster::new(2, 2, 1, vec![0.0, 1.0, 0.0, 1.0])?;
     /// let mesh = Mesh::new(&step, 0.1, 3)?;
     /// assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (9, 8));
-    /// let [x, _, z, across, .., u, v] = mesh.vertices[5];
-    /// assert_eq!((x, u, v), (1.0, 1.0, 0.5));
-    /// assert!((z - 0.1).abs() < 1e-6 && across < 0.0, "right of the middle, half of 2 · 0.1 up, it leans to the left");
+    /// let [x, y, z, across, .., u, v] = mesh.vertices[2];
+    /// assert_eq!((x, y, u, v), (1.0, 1.0, 1.0, 0.0));
+    /// assert!((z - 0.1).abs() < 1e-6 && across < 0.0, "upper right, half of 2 · 0.1 above the mean; leans to the left");
     /// # Ok::<(), morpho_fit::render::RenderError>(())
     /// ```
     pub fn new(height: &Raster, relief: f64, side: usize) -> Result<Self, RenderError> {
@@ -60,9 +61,9 @@ impl Mesh {
         let mut triangles = Vec::with_capacity(2 * (side - 1) * (side - 1));
         for row in 0..side - 1 {
             for column in 0..side - 1 {
-                let (lower, right) = (corner(column, row), corner(column + 1, row));
-                let (upper, opposite) = (corner(column, row + 1), corner(column + 1, row + 1));
-                triangles.extend([[lower, right, opposite], [lower, opposite, upper]]);
+                let (left, right) = (corner(column, row), corner(column + 1, row));
+                let (below, opposite) = (corner(column, row + 1), corner(column + 1, row + 1));
+                triangles.extend([[below, opposite, right], [below, right, left]]);
             }
         }
         Ok(Self { vertices, triangles })
@@ -92,7 +93,7 @@ impl<'a> Relief<'a> {
 
     fn vertex(&self, u: f64, v: f64) -> [f32; 8] {
         let (left, right, across) = neighbours(u * whole(self.height.width()) - 0.5, self.height.width());
-        let (upper, lower, down) = neighbours((1.0 - v) * whole(self.height.height()) - 0.5, self.height.height());
+        let (upper, lower, down) = neighbours(v * whole(self.height.height()) - 0.5, self.height.height());
         let corners = [
             (left, upper, (1.0 - across) * (1.0 - down)),
             (right, upper, across * (1.0 - down)),
@@ -110,7 +111,7 @@ impl<'a> Relief<'a> {
         let z = if self.is_even { 0.0 } else { self.scale * (level - self.mean) };
         let upright = (slope[0] * slope[0] + slope[1] * slope[1] + 1.0).sqrt().recip();
         let place = |part: f64| HALF_SIDE * (2.0 * part - 1.0);
-        let vertex = [place(u), place(v), z, -slope[0] * upright, -slope[1] * upright, upright, u, v];
+        let vertex = [place(u), -place(v), z, -slope[0] * upright, -slope[1] * upright, upright, u, v];
         #[allow(clippy::cast_possible_truncation, reason = "meshes are in single precision")]
         vertex.map(|value| value as f32)
     }

@@ -35,7 +35,8 @@ pub(crate) fn run(args: &BsdfArgs) -> Result<Outcome> {
     let folder = Folder::open(&args.output.out.clone().unwrap_or_else(|| subject.folder.join("bsdf")))?;
     let work = || -> Result<Vec<String>> {
         let progress = Progress::new(args.output.quiet);
-        let Tables { lines: told, mut files, albedo } = tables(&args.choice, &args.subject.model, &subject, &progress)?;
+        let Tables { lines: told, mut files, albedo } = tables(&args.choice, &args.subject.model, &subject, &progress)
+            .map_err(|error| smaller(error, "raise --tolerance or --max-bytes"))?;
         let mut lines = vec![subject.values()];
         lines.extend(told);
         files.extend(chart_files(&drawn(vec![("albedo", albedo)])?));
@@ -144,7 +145,7 @@ pub(crate) fn tables(
     progress.tell("choosing the nodes");
     let needs = Needs { tolerance: choice.tolerance, most_bytes: choice.max_bytes, range, seed: choice.seed };
     let any = Source::spectra(&model, structure, polarization, &range)?;
-    let sized = size(&any, &needs).map_err(smaller)?;
+    let sized = size(&any, &needs)?;
     let description = format!(
         "morpho-fit {}, model hybrid, {}: {}; x across the ridges, y along them",
         env!("CARGO_PKG_VERSION"),
@@ -201,10 +202,11 @@ pub(crate) fn tables(
 }
 
 /// With what helps where a table would be too large.
-fn smaller(error: BsdfError) -> anyhow::Error {
-    let large = matches!(error, BsdfError::TooLarge { .. });
-    let error = anyhow::Error::new(error);
-    if large { error.context("no table: raise --tolerance or --max-bytes") } else { error }
+pub(crate) fn smaller(error: anyhow::Error, helps: &str) -> anyhow::Error {
+    match error.downcast_ref::<BsdfError>() {
+        Some(BsdfError::TooLarge { .. }) => error.context(format!("no table: {helps}")),
+        _ => error,
+    }
 }
 
 /// Albedo against incidence in both planes, of table and model.

@@ -1,6 +1,6 @@
 //! `morpho-fit render --write-mitsuba`: the scene of the pictures for Mitsuba 3.
 
-use super::bsdf::{Tables, tables};
+use super::bsdf::{Tables, smaller, tables};
 use crate::args::{BsdfChoiceArgs, RenderArgs};
 use crate::exit::Usage;
 use crate::progress::Progress;
@@ -44,7 +44,8 @@ impl Stage {
         progress: &Progress,
     ) -> Result<(Vec<String>, Vec<(String, Vec<u8>)>)> {
         let choice = BsdfChoiceArgs::within(args.mitsuba.bsdf_tolerance);
-        let Tables { mut lines, files: surfaces, .. } = tables(&choice, &args.subject.model, subject, progress)?;
+        let Tables { mut lines, files: surfaces, .. } = tables(&choice, &args.subject.model, subject, progress)
+            .map_err(|error| smaller(error, "raise --bsdf-tolerance"))?;
         let (size, samples) = (args.scene.size, usize::from(args.scene.samples).pow(2));
         let (mesh, layers, views) = (&self.mesh, &self.layers, args.scene.view.as_slice());
         let whole = MitsubaScene { scene, views, size, samples, exposure, mesh, layers };

@@ -12,6 +12,8 @@ R turns about the shading normal, counterclockwise. `scales` is a BSDF whose x l
 `import turned`, with a variant of Mitsuba set, registers it as `turned`. Written for scalar variants.
 """
 
+import math
+
 import mitsuba as mi
 
 # A direction shorter than this is none: its neighbours in the texture cancel each other.
@@ -50,9 +52,9 @@ class Turned(mi.BSDF):
     def eval_pdf(self, ctx, si, wo, active=True):
         cos = wo.z
         if not active or si.wi.z <= 0 or cos <= 0:
-            return mi.Color3f(0) if mi.is_rgb else mi.Spectrum(0), 0.0
+            return mi.Spectrum(0), 0.0
         share = self.share.eval_1(si, active)
-        value = self.base.eval(si, active) * (cos * mi.ScalarFloat(1 / 3.141592653589793))
+        value = self.base.eval(si, active) * (cos / math.pi)
         pdf = (1 - chance(share)) * mi.warp.square_to_cosine_hemisphere_pdf(wo)
         if share > 0:
             ridges = self.ridges(si, active)
