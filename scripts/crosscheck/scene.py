@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from .colours import differences
-from .mitsuba import RGB, SPECTRAL, program
+from .mitsuba import RGB, SAMPLED, SAMPLES, SEED, SPECTRAL, Loaded, program
 from .model import Real
 from .table import Row
 
 VIEWS = (10, 30, 50, 60)
-WIDTH, HEIGHT, SAMPLES = 32, 24, 64
+WIDTH, HEIGHT, OF_PIXEL = 32, 24, 64
 # Mean CIEDE2000 of the pixels that are all wing.
 LIMIT = 2.0
 # 75 to 90 MB. What is left is the interpolation of the format: 1.6 at worst here, 0.9 with 213 MB, 2.9 with 14.
@@ -55,6 +55,21 @@ def turned_by(mi: Any, path: Path, degrees: int) -> None:
     mi.Bitmap(np.tile(levels, (4, 4, 1))).write(str(path))
 
 
+def sampled(path: Path) -> Row:
+    """Light above scales turned by 53 degrees that are 0.7 of the surface, and above a base: `turned.py` samples as it evaluates."""
+    loaded, random = Loaded(SPECTRAL, path), np.random.default_rng(SEED)
+
+    def even(*levels: float) -> dict[str, Any]:
+        return {"type": "bitmap", "raw": True, "bitmap": loaded.mi.Bitmap(np.full((2, 2, len(levels)), levels, "f4"))}
+
+    surface = {"type": "turned", "scales": {"type": "measured", "filename": str(path)}, "angle": even(0.8, 0.9, 0)}
+    loaded.bsdf = loaded.mi.load_dict(surface | {"share": even(0.7), "base": even(0.1)})
+    places = [(np.radians(theta), 0.3, 460.0) for theta in (0, 40)]
+    off = [abs(loaded.albedo(*place, random) - loaded.summed(*place)) for place in places]
+    case = f"scene: turned.py, albedo by {SAMPLES:,} samples at {len(places)} places"
+    return Row.of(case, "its samples", "its values", max(off), SAMPLED)
+
+
 def patches(binary: Path, folder: Path) -> list[Row]:
     mi: Any = importlib.import_module("mitsuba")
     mi.set_variant(SPECTRAL)
@@ -70,9 +85,10 @@ def patches(binary: Path, folder: Path) -> list[Row]:
             where = importlib.util.spec_from_file_location("turned", out / "mitsuba" / "turned.py")
             assert where is not None and where.loader is not None
             where.loader.exec_module(importlib.util.module_from_spec(where))
+            table.append(sampled(fine))
         for view in VIEWS:
             scene = str(out / "mitsuba" / "scene.xml")
-            loaded = mi.load_file(scene, material=str(fine), view=str(view), samples=str(SAMPLES))
+            loaded = mi.load_file(scene, material=str(fine), view=str(view), samples=str(OF_PIXEL))
             theirs, ours = np.array(mi.render(loaded), float), pixels(mi, out / f"view_{view}.exr")
             inside = (ours[..., 3] > 0.999) & (theirs[..., 3] > 0.999)
             one, other = (exposure * picture[inside][:, :3] for picture in (ours, theirs))
