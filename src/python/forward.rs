@@ -6,7 +6,7 @@ use super::model::{ModelArgument, Stack};
 use super::structure::Structure;
 use super::words;
 use crate::geometry::Geometry;
-use crate::optics::multilayer::{Period, reflectivities};
+use crate::optics::multilayer::{Period, spectra};
 use crate::optics::{self, Contribution, OpticsError};
 use crate::units::radians;
 use numpy::ndarray::Array2;
@@ -16,6 +16,9 @@ use rayon::prelude::*;
 
 /// Readings that one thread takes at a time: enough that starting it costs little.
 const SHARE: usize = 1024;
+
+/// Angles whose spectra are turned into rows together: as many numbers as a line of the cache holds.
+const TOGETHER: usize = 8;
 
 /// A row of s and a row of p.
 type Planes<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -52,13 +55,17 @@ pub(crate) fn multilayer_reflectivity<'py>(
         let wavelengths: Vec<f64> = (0..rows).map(|row| wavelength.at(row)).collect();
         let runs = runs(&stack, &wavelengths)?;
         let mut found = [vec![0.0; rows * columns], vec![0.0; rows * columns]];
-        for column in 0..columns {
-            let angle = radians(theta.at(column));
+        for start in (0..columns).step_by(TOGETHER) {
+            let angles: Vec<f64> =
+                (start..columns.min(start + TOGETHER)).map(|column| radians(theta.at(column))).collect();
             for (first, media, length) in &runs {
                 let along = &wavelengths[*first..first + length];
-                for (row, both) in reflectivities(media, along, period, stack.layers, angle)?.into_iter().enumerate() {
-                    let place = (first + row) * columns + column;
-                    (found[0][place], found[1][place]) = (both.s, both.p);
+                let spectra = spectra(media, along, period, stack.layers, &angles)?;
+                for row in 0..*length {
+                    let place = (first + row) * columns + start;
+                    for (column, both) in spectra[row..].iter().step_by(*length).enumerate() {
+                        (found[0][place + column], found[1][place + column]) = (both.s, both.p);
+                    }
                 }
             }
         }
