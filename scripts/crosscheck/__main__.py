@@ -17,7 +17,7 @@ from pathlib import Path
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from . import averages, colours, errors, forward, mitsuba, objectives, optimisers, posterior
+from . import averages, colours, errors, forward, mitsuba, objectives, optimisers, posterior, scene
 from .cases import ROOT
 from .table import Row, markdown
 
@@ -75,7 +75,7 @@ def main() -> int:
         sections = {
             "Forward models and objective": forward.rows() + averages.rows() + objectives.rows(given),
             "Colours": colours.rows(),
-            "Files for renderers": mitsuba.rows(),
+            "Files for renderers": mitsuba.rows() + scene.rows(),
             "Error report of lmfit": errors.rows(),
             "Posterior": posterior.rows(chains, given),
         }

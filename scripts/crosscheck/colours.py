@@ -56,6 +56,14 @@ def by_colour_science(wavelength: Real, reflectance: Real) -> tuple[Real, Real, 
     return found, np.asarray(lab), np.asarray(linear), np.asarray(adapted @ matrix.T)
 
 
+def differences(linear: Real, other: Real) -> Real:
+    """CIEDE2000 of colours in linear sRGB, white being (1, 1, 1)."""
+    matrix = np.asarray(colour.RGB_COLOURSPACES["sRGB"].matrix_RGB_to_XYZ)
+    white = colour.XYZ_to_xy(matrix.sum(axis=1))
+    one, two = (colour.XYZ_to_Lab(values @ matrix.T, white) for values in (linear, other))
+    return np.asarray(colour.delta_E(one, two, method="CIE 2000"))
+
+
 def rows() -> list[Row]:
     table = []
     for step in STEPS:

@@ -67,15 +67,22 @@ impl Folder {
         }
     }
 
-    /// Writes all files beside their places, then renames all of them; if one cannot be written, none is replaced.
+    /// Writes all files beside their places, then renames all of them; if one cannot be written, none is replaced. A name may
+    /// have a folder in it, which is made.
     pub(crate) fn write(&self, files: &[(String, Vec<u8>)]) -> Result<()> {
         let mut parts = Vec::new();
+        let mut inner = Vec::new();
         for (name, bytes) in files {
             let place = self.path.join(name);
             let part = beside(&place);
+            if let Some(folder) = place.parent().filter(|folder| !folder.exists()) {
+                inner.push(folder.to_owned());
+            }
+            let made = place.parent().map_or(Ok(()), fs::create_dir_all);
             parts.push((part.clone(), place.clone()));
-            if let Err(error) = write_through(&part, bytes) {
+            if let Err(error) = made.and_then(|()| write_through(&part, bytes)) {
                 remove(&parts);
+                inner.iter().for_each(|folder| drop(fs::remove_dir(folder)));
                 return Err(error).with_context(|| format!("{} cannot be written", place.display()));
             }
         }

@@ -155,21 +155,21 @@ impl Surface {
 }
 
 /// Slopes of a displacement by central differences, one-sided at the edge.
-struct Slopes<'a> {
+pub(super) struct Slopes<'a> {
     height: &'a Raster,
     /// Height of a displacement of 1 over the width and the height of a pixel.
     steepness: [f64; 2],
 }
 
 impl<'a> Slopes<'a> {
-    fn new(height: &'a Raster, relief: f64) -> Self {
+    pub(super) fn new(height: &'a Raster, relief: f64) -> Self {
         // Relief and pixels are both parts of the side.
         let steepness = [relief * whole(height.width()), relief * whole(height.height())];
         Self { height, steepness }
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "texels are in single precision")]
-    fn at(&self, column: usize, row: usize) -> [f32; 2] {
+    pub(super) fn at(&self, column: usize, row: usize) -> [f32; 2] {
         let (left, right) = (column.saturating_sub(1), (column + 1).min(self.height.width() - 1));
         let (above, below) = (row.saturating_sub(1), (row + 1).min(self.height.height() - 1));
         let level = |column, row| f64::from(self.height.grey(column, row));
@@ -180,7 +180,7 @@ impl<'a> Slopes<'a> {
 }
 
 /// Unit vector along the ridges: the upward direction turned counterclockwise by the angle.
-fn ridge(angle: &Raster, column: usize, row: usize, two_channels: bool) -> [f32; 2] {
+pub(super) fn ridge(angle: &Raster, column: usize, row: usize, two_channels: bool) -> [f32; 2] {
     let (sin, cos) = if two_channels {
         (2.0 * angle.at(column, row, 1) - 1.0, 2.0 * angle.at(column, row, 0) - 1.0)
     } else {
@@ -192,7 +192,7 @@ fn ridge(angle: &Raster, column: usize, row: usize, two_channels: bool) -> [f32;
 
 /// The two pixels around a place counted in pixels, and the share of the second.
 #[inline]
-fn neighbours(place: f64, count: usize) -> (usize, usize, f32) {
+pub(super) fn neighbours(place: f64, count: usize) -> (usize, usize, f32) {
     let place = place.clamp(0.0, whole(count - 1));
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the image")]
     let first = place as usize;

@@ -7,6 +7,13 @@ use crate::values;
 use clap::Args;
 use std::path::PathBuf;
 
+/// Root mean square error of a table unless another is asked for, and what else holds unless said otherwise.
+pub(crate) const TOLERANCE: f64 = 0.015;
+const WAVELENGTHS: [f64; 2] = [360.0, 830.0];
+const MOST_BYTES: u64 = 256_000_000;
+const DIRECTIONS: usize = 5000;
+const SEED: u64 = 1;
+
 #[derive(Debug, Args)]
 pub(crate) struct BsdfArgs {
     #[command(flatten)]
@@ -21,7 +28,7 @@ pub(crate) struct BsdfArgs {
 #[command(next_help_heading = "Table")]
 pub(crate) struct BsdfChoiceArgs {
     /// Root mean square error between the nodes, over directions and wavelengths with light, as a share of the largest value.
-    #[arg(long, value_name = "SHARE", default_value = "0.015", value_parser = values::positive)]
+    #[arg(long, value_name = "SHARE", default_value_t = TOLERANCE, value_parser = values::positive)]
     pub(crate) tolerance: f64,
     /// First and last wavelength, nm: Mitsuba samples 360 to 830, and holds the ends beyond them.
     #[arg(long, value_name = "FIRST:LAST", default_value = "360:830", value_parser = ends)]
@@ -30,14 +37,28 @@ pub(crate) struct BsdfChoiceArgs {
     #[arg(long, value_name = "WORD", default_value = "unpolarized")]
     pub(crate) polarization: PolarizationWord,
     /// Bytes of the largest file: a tolerance that asks for more is refused. About twice as many are held in memory.
-    #[arg(long, value_name = "BYTES", default_value_t = 256_000_000)]
+    #[arg(long, value_name = "BYTES", default_value_t = MOST_BYTES)]
     pub(crate) max_bytes: u64,
     /// Random directions with light that the certificate compares table and model in, 100 to 100000000.
-    #[arg(long, value_name = "COUNT", default_value_t = 5000, value_parser = values::count)]
+    #[arg(long, value_name = "COUNT", default_value_t = DIRECTIONS, value_parser = values::count)]
     pub(crate) directions: usize,
     /// Seed of these directions, and of those that the nodes are chosen at.
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = SEED)]
     pub(crate) seed: u64,
+}
+
+impl BsdfChoiceArgs {
+    /// The table that is asked for by its tolerance alone.
+    pub(crate) fn within(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            wavelengths: WAVELENGTHS,
+            polarization: PolarizationWord::Unpolarized,
+            max_bytes: MOST_BYTES,
+            directions: DIRECTIONS,
+            seed: SEED,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

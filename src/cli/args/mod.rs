@@ -13,7 +13,7 @@ mod table;
 mod tradeoff;
 mod words;
 
-pub(crate) use bsdf::{BsdfArgs, ImportBsdfArgs, WavelengthChoice};
+pub(crate) use bsdf::{BsdfArgs, BsdfChoiceArgs, ImportBsdfArgs, WavelengthChoice};
 pub(crate) use constant::ConstantArgs;
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
 pub(crate) use measurement::SimulateArgs;

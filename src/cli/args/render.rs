@@ -1,5 +1,6 @@
 //! Pictures of a wing.
 
+use crate::args::bsdf::TOLERANCE;
 use crate::args::drawing::DrawingArgs;
 use crate::args::{SubjectArgs, SwingWord, ViewingArgs};
 use crate::values;
@@ -18,6 +19,8 @@ pub(crate) struct RenderArgs {
     pub(crate) maps: MapArgs,
     #[command(flatten)]
     pub(crate) turn: TurnArgs,
+    #[command(flatten)]
+    pub(crate) mitsuba: MitsubaArgs,
     #[command(flatten)]
     pub(crate) viewing: ViewingArgs,
     #[command(flatten)]
@@ -123,6 +126,21 @@ pub(crate) struct TurnArgs {
     /// Write every frame as a file too: frame_0001.png and so on.
     #[arg(long, requires = "turn")]
     pub(crate) frames_png: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Scene for Mitsuba 3")]
+pub(crate) struct MitsubaArgs {
+    /// Write the same scene for Mitsuba 3 too, into the folder mitsuba/: scene.xml, the relief as a mesh, the maps, the surface
+    /// as `.bsdf` files with their certificate, a BSDF in Python that turns it by the map of angles, and render.py.
+    #[arg(long, conflicts_with_all = ["turn", "d_air_map", "d_air_spread"])]
+    pub(crate) write_mitsuba: bool,
+    /// Vertices along each side of the mesh, 2 to 2048; finer corrugations than two of its cells are lost.
+    #[arg(long, value_name = "COUNT", default_value_t = 512, value_parser = clap::value_parser!(u16).range(2..=2048), requires = "write_mitsuba")]
+    pub(crate) mesh: u16,
+    /// Root mean square error of the `.bsdf` files, as in `morpho-fit bsdf --tolerance`.
+    #[arg(long, value_name = "SHARE", default_value_t = TOLERANCE, value_parser = values::positive, requires = "write_mitsuba")]
+    pub(crate) bsdf_tolerance: f64,
 }
 
 /// Factor on the light.

@@ -1,6 +1,6 @@
 //! `morpho-fit bsdf`: the surface as today's renderers load it, with a certificate.
 
-use crate::args::{BsdfArgs, ModelWord};
+use crate::args::{BsdfArgs, BsdfChoiceArgs, ModelArgs, ModelWord};
 use crate::commands::{chart_files, drawn, refuse_to_replace};
 use crate::exit::{Outcome, Usage};
 use crate::output::{self, Folder, WIDTH};
@@ -34,7 +34,13 @@ pub(crate) fn run(args: &BsdfArgs) -> Result<Outcome> {
     let subject = Subject::read_with(&args.subject, ModelWord::Hybrid)?;
     let folder = Folder::open(&args.output.out.clone().unwrap_or_else(|| subject.folder.join("bsdf")))?;
     let work = || -> Result<Vec<String>> {
-        let (mut lines, files) = tabled(args, &subject)?;
+        let progress = Progress::new(args.output.quiet);
+        let Tables { lines: told, mut files, albedo } = tables(&args.choice, &args.subject.model, &subject, &progress)
+            .map_err(|error| smaller(error, "raise --tolerance or --max-bytes"))?;
+        let mut lines = vec![subject.values()];
+        lines.extend(told);
+        files.extend(chart_files(&drawn(vec![("albedo", albedo)])?));
+        drop(progress);
         refuse_to_replace(&folder, &files, args.subject.fit.iter().cloned())?;
         folder.write(&files)?;
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
@@ -52,8 +58,8 @@ pub(crate) fn run(args: &BsdfArgs) -> Result<Outcome> {
 type Files = Vec<(String, Vec<u8>)>;
 
 /// The model of the subject; none of the others is a distribution of reflectance in all directions.
-fn hybrid(args: &BsdfArgs, subject: &Subject) -> Result<(HybridModel, Option<&'static str>), Usage> {
-    let averages = &args.subject.model.averages;
+fn hybrid(model: &ModelArgs, subject: &Subject) -> Result<(HybridModel, Option<&'static str>), Usage> {
+    let averages = &model.averages;
     let averaged = averages.numerical_aperture.is_some()
         || averages.bandwidth.is_some()
         || averages.period_spread.is_some()
@@ -87,7 +93,7 @@ struct Measured {
 
 impl Measured {
     fn new(
-        args: &BsdfArgs,
+        choice: &BsdfChoiceArgs,
         source: &Source<'_>,
         size: Size,
         description: &str,
@@ -95,7 +101,7 @@ impl Measured {
     ) -> Result<Self, BsdfError> {
         let Tabulated { fields, clipped, clipped_directions, .. } = tabulate(source, &size, description)?;
         let table = MeasuredBsdf::new(fields)?;
-        let certificate = certify(source, &table, args.choice.directions, args.choice.seed)?;
+        let certificate = certify(source, &table, choice.directions, choice.seed)?;
         Ok(Self { file, size, certificate, clipped: [clipped, clipped_directions], table })
     }
 
@@ -117,16 +123,29 @@ impl Measured {
     }
 }
 
-/// Lines for the reader, and the files.
-fn tabled(args: &BsdfArgs, subject: &Subject) -> Result<(Vec<String>, Files)> {
-    let (model, note) = hybrid(args, subject)?;
-    let choice = &args.choice;
+/// The tables of a surface.
+pub(crate) struct Tables {
+    /// What was measured, for the reader.
+    pub(crate) lines: Vec<String>,
+    /// Both tables and their certificate.
+    pub(crate) files: Files,
+    /// Albedo against incidence.
+    albedo: Figure,
+}
+
+/// Fills and measures both tables.
+pub(crate) fn tables(
+    choice: &BsdfChoiceArgs,
+    model: &ModelArgs,
+    subject: &Subject,
+    progress: &Progress,
+) -> Result<Tables> {
+    let (model, note) = hybrid(model, subject)?;
     let (structure, polarization, range) = (&subject.structure, choice.polarization.value(), choice.wavelengths);
-    let progress = Progress::new(args.output.quiet);
     progress.tell("choosing the nodes");
     let needs = Needs { tolerance: choice.tolerance, most_bytes: choice.max_bytes, range, seed: choice.seed };
     let any = Source::spectra(&model, structure, polarization, &range)?;
-    let sized = size(&any, &needs).map_err(smaller)?;
+    let sized = size(&any, &needs)?;
     let description = format!(
         "morpho-fit {}, model hybrid, {}: {}; x across the ridges, y along them",
         env!("CARGO_PKG_VERSION"),
@@ -135,17 +154,16 @@ fn tabled(args: &BsdfArgs, subject: &Subject) -> Result<(Vec<String>, Files)> {
     );
     progress.tell(&format!("filling and measuring {} bytes of spectra", sized.size.bytes()));
     let spectra = Source::spectra(&model, structure, polarization, &sized.wavelengths)?;
-    let spectral = Measured::new(args, &spectra, sized.size, &description, SPECTRAL)?;
-    let picture = figure(subject, &spectra, &spectral.table)?;
+    let spectral = Measured::new(choice, &spectra, sized.size, &description, SPECTRAL)?;
+    let albedo = figure(subject, &spectra, &spectral.table)?;
     progress.tell("filling and measuring the table of colours");
     let grid = Wavelengths::new(range[0].max(COLOUR[0]), range[1].min(COLOUR[1]), COLOUR[2])
         .context("no colours: --wavelengths leaves nothing that eyes see")
         .map_err(|error| Usage(format!("{error:#}")))?;
     let colours = Source::rgb(&model, structure, polarization, &grid)?;
-    let rgb = Measured::new(args, &colours, Size { channels: 3, ..sized.size }, &description, RGB)?;
+    let rgb = Measured::new(choice, &colours, Size { channels: 3, ..sized.size }, &description, RGB)?;
     progress.tell("writing");
-    let mut lines = vec![subject.values()];
-    lines.extend(note.map(str::to_owned));
+    let mut lines: Vec<String> = note.map(str::to_owned).into_iter().collect();
     let mut files: Files = Vec::new();
     let mut abouts = Vec::new();
     for measured in [spectral, rgb] {
@@ -180,15 +198,15 @@ fn tabled(args: &BsdfArgs, subject: &Subject) -> Result<(Vec<String>, Files)> {
             100.0 * largest
         ));
     }
-    files.extend(chart_files(&drawn(vec![("albedo", picture)])?));
-    Ok((lines, files))
+    Ok(Tables { lines, files, albedo })
 }
 
 /// With what helps where a table would be too large.
-fn smaller(error: BsdfError) -> anyhow::Error {
-    let large = matches!(error, BsdfError::TooLarge { .. });
-    let error = anyhow::Error::new(error);
-    if large { error.context("no table: raise --tolerance or --max-bytes") } else { error }
+pub(crate) fn smaller(error: anyhow::Error, helps: &str) -> anyhow::Error {
+    match error.downcast_ref::<BsdfError>() {
+        Some(BsdfError::TooLarge { .. }) => error.context(format!("no table: {helps}")),
+        _ => error,
+    }
 }
 
 /// Albedo against incidence in both planes, of table and model.

@@ -7,6 +7,7 @@ pub(crate) mod curves;
 pub(crate) mod fit;
 pub(crate) mod import_bsdf;
 mod intervals;
+mod mitsuba;
 pub(crate) mod paper;
 pub(crate) mod render;
 pub(crate) mod simulate;

@@ -1,6 +1,7 @@
 //! `morpho-fit render`: pictures of a wing in the sun.
 
 use crate::args::{Behind, Exposure, GridChoice, MapArgs, ModelWord, RenderArgs};
+use crate::commands::mitsuba::Stage;
 use crate::commands::refuse_to_replace;
 use crate::exit::{Outcome, Usage};
 use crate::output::{self, Folder, WIDTH};
@@ -124,6 +125,7 @@ fn rendered(args: &RenderArgs, subject: &Subject, lines: &mut Vec<String>, progr
     let surface = Surface::new(&maps, args.maps.relief, subject.structure.d_air)?;
     watch.lap("maps");
     let mut files = if args.maps.write_maps { map_files(&maps)? } else { Vec::new() };
+    let stage = Stage::new(args, &maps, &viewing)?;
     drop(maps);
     watch.lap("files");
     progress.tell("colours");
@@ -168,6 +170,11 @@ fn rendered(args: &RenderArgs, subject: &Subject, lines: &mut Vec<String>, progr
         seconds: &watch.seconds,
     };
     lines.extend(told(subject, &sheet));
+    if let (Some(stage), Some(scene)) = (stage, scenes.first()) {
+        let (told, scene) = stage.files(args, subject, (scene, factor), progress)?;
+        lines.extend(told);
+        files.extend(scene);
+    }
     files.push(("render.json".to_owned(), render_json(&sheet)?));
     Ok(files)
 }
