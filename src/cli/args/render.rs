@@ -98,7 +98,8 @@ pub(crate) struct MapArgs {
     /// butterfly's.
     #[arg(long, conflicts_with = "d_air_spread")]
     pub(crate) plain: bool,
-    /// Side of the butterfly's maps, pixels, where no map is given, 1 to 8192; about MEMORY bytes of memory for each of its pixels.
+    /// Side of the butterfly's maps, pixels, where no map is given, 1 to 8192; about 80 bytes of memory for each pixel of
+    /// the map, 5 GB at most.
     #[arg(long, value_name = "SIDE", value_parser = side, default_value = "1024",
         conflicts_with_all = ["height_map", "angle_map", "mask", "base_map", "d_air_map"])]
     pub(crate) map_size: usize,
