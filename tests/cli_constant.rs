@@ -54,6 +54,8 @@ fn what_cannot_be_is_refused_before_the_work() {
         ("--vary n_cutcle=1.4:1.7", "did you mean `n_cuticle`?"),
         ("--vary n_cuticle=1.4", "write it like n_cuticle=1.45:1.65"),
         ("--vary n_cuticle=1.7:1.4", "the range must rise"),
+        ("--vary k_cuticle=-1:1", "within 0 to 1000"),
+        ("--vary n_cuticle=1.4:1.7 --vary k_cuticle=0:1", "one constant is fitted at a time"),
         ("--vary ridge_spacing=600:800", "`hybrid` model"),
         ("--vary n_cuticle=1.4:1.7 --n-cuticle cauchy:1.5,8800", "a formula or a table"),
         ("", "--vary"),

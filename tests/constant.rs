@@ -5,6 +5,7 @@ use morpho_fit::geometry::Polarization;
 use morpho_fit::inversion::intervals::{ConstantProfile, over_constant};
 use morpho_fit::inversion::{Constant, FitError, FitSettings, Objective, Parameter};
 use morpho_fit::optics::{AveragedModel, Averages, BlendModel, Material, ReflectivityModel, Stack, Structure};
+use morpho_fit::optimise::Loss;
 use morpho_fit::synthetic::{Scan, linspace, simulate};
 use nalgebra::{DMatrix, DVector};
 
@@ -100,6 +101,7 @@ fn intervals_hold_the_index_as_often_as_they_say() {
             over_constant(&measured(&model, seed), &settings, Constant::NCuticle, [1.4, 1.75], &|_| {}).unwrap()
         })
         .collect();
+    assert!(found.iter().all(|found| found.intervals.interval_95.iter().all(Option::is_some)));
     let held = found.iter().filter(|found| within(found, 1.52)).count();
     assert!(held >= 6, "{held} of 8"); // fewer has a probability of 0.6 %
 }
@@ -109,9 +111,43 @@ fn a_constant_at_zero_closes_the_other_intervals_and_a_range_beside_the_truth_is
     let (data, settings) = (measured(&BlendModel::default(), 9), FitSettings::default());
     let none = over_constant(&data, &settings, Constant::KCuticle, [0.0, 0.1], &|_| {}).unwrap();
     assert!(none.intervals.interval_95[1].unwrap() < 0.01 && within(&none, 0.0));
+    assert!(!none.at_end); // k ends at 0 of itself
     assert!(none.quantities.iter().all(|quantity| quantity.intervals.interval_95.iter().all(Option::is_some)));
     let beside = over_constant(&data, &settings, Constant::NCuticle, [1.6, 1.7], &|_| {}).unwrap();
     assert!(beside.at_end && (beside.best - 1.6).abs() < 1e-3, "{}", beside.best);
+}
+
+/// Outliers, which move the index of least squares by two standard deviations, leave that of a robust loss where it was.
+#[test]
+fn a_robust_loss_has_its_own_profile() {
+    let clean = measured(&with_cuticle(1.52, 0.0), 3);
+    let mut readings = clean.readings().to_vec();
+    for (row, reading) in readings.iter_mut().enumerate() {
+        if row % 23 == 5 {
+            reading.intensity += 0.5;
+        }
+    }
+    let spoilt = Dataset::from_readings(readings, clean.curves().to_vec()).unwrap();
+    let moved = |loss: Loss| {
+        let settings = FitSettings { loss, ..FitSettings::default() };
+        let [clean, spoilt] = [&clean, &spoilt].map(|data| {
+            let found = over_constant(data, &settings, Constant::NCuticle, [1.4, 1.75], &|_| {}).unwrap();
+            assert!(found.excess.iter().all(|excess| *excess > -0.01));
+            found.best
+        });
+        (spoilt - clean).abs()
+    };
+    let (robust, plain) = (moved(Loss::Cauchy), moved(Loss::Linear));
+    assert!(robust < 0.003 && plain > 0.02, "{robust} {plain}");
+}
+
+/// A range beside the truth moves thicknesses, not the tilt: its interval stays.
+#[test]
+fn what_does_not_move_with_the_constant_is_not_open() {
+    let (data, settings) = (measured(&BlendModel::default(), 9), FitSettings::default());
+    let beside = over_constant(&data, &settings, Constant::NCuticle, [1.6, 1.62], &|_| {}).unwrap();
+    let quantity = |name: &str| beside.quantities.iter().find(|quantity| quantity.name == name).unwrap();
+    assert!(quantity("delta").intervals.interval_68.iter().all(Option::is_some));
 }
 
 #[test]
@@ -121,5 +157,6 @@ fn what_cannot_be_fitted_is_refused() {
     assert!(matches!(refused(Constant::RidgeSpacing, [500.0, 900.0]), FitError::NoConstant { .. }));
     assert!(matches!(refused(Constant::NCuticle, [1.6, 1.5]), FitError::ConstantRange { .. }));
     assert!(matches!(refused(Constant::NCuticle, [f64::NAN, 1.5]), FitError::ConstantRange { .. }));
-    assert!(matches!(refused(Constant::NumericalAperture, [2.0, 3.0]), FitError::Optics(_)));
+    assert!(matches!(refused(Constant::NumericalAperture, [0.0, 1.4]), FitError::ConstantRange { .. }));
+    assert!(matches!(refused(Constant::Filling, [1.0, 3.0]), FitError::ConstantRange { .. }));
 }

@@ -80,15 +80,17 @@ impl Constant {
         }
     }
 
-    /// Values beyond which there is none, user units: a range that ends there is not cut short.
+    /// Least and largest value that it can have, user units: a range that ends there is not cut short.
     #[must_use]
     pub fn domain(self) -> (f64, f64) {
         match self {
-            Self::NCuticle | Self::NGap | Self::NBase | Self::RidgeSpacing => (f64::NEG_INFINITY, f64::INFINITY),
-            Self::KCuticle | Self::NumericalAperture | Self::Bandwidth | Self::PeriodSpread | Self::TiltSpread => {
-                (0.0, f64::INFINITY)
-            }
-            Self::Filling => (f64::NEG_INFINITY, 1.0),
+            Self::NCuticle | Self::NGap | Self::NBase => (1e-3, 1e3),
+            Self::KCuticle => (0.0, 1e3),
+            Self::Filling => (0.0, 1.0),
+            Self::RidgeSpacing => (1.0, 1e6),
+            Self::NumericalAperture => (0.0, 0.99),
+            Self::Bandwidth | Self::PeriodSpread => (0.0, 200.0),
+            Self::TiltSpread => (0.0, units::degrees(0.5)),
         }
     }
 

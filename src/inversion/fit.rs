@@ -82,8 +82,8 @@ pub enum FitError {
         /// Why, in words.
         what: &'static str,
     },
-    /// A range without room.
-    #[error("{constant} cannot be fitted from {low} to {high}: the range must rise")]
+    /// A range without room, or beyond what the constant can be; user units.
+    #[error("{constant} cannot be fitted from {low} to {high}: the range must rise, within {least} to {most}")]
     ConstantRange {
         /// Name of the constant.
         constant: &'static str,
@@ -91,6 +91,10 @@ pub enum FitError {
         low: f64,
         /// Its upper end.
         high: f64,
+        /// Least value of the constant.
+        least: f64,
+        /// Largest value of the constant.
+        most: f64,
     },
     /// The model has a finite value nowhere in the bounds.
     #[error("the `{model}` model has no finite value at any start within the bounds")]

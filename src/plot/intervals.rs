@@ -51,8 +51,8 @@ pub fn profiles_figure(profiles: &Profiles, title: &str) -> Result<Figure, PlotE
 /// # Errors
 /// Those of [`profile_figure`].
 pub fn constant_figure(found: &ConstantProfile, title: &str) -> Result<Figure, PlotError> {
-    let unit = if found.constant.unit().is_empty() { "1" } else { found.constant.unit() };
-    let name = label(found.constant.name(), unit);
+    let (name, unit) = (found.constant.name(), found.constant.unit());
+    let name = if unit.is_empty() { name.to_owned() } else { label(name, unit) };
     let quantity = ProfileQuantity {
         name: name.clone(),
         values: found.values.clone(),

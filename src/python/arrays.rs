@@ -3,6 +3,7 @@
 use super::errors::refused;
 use numpy::ndarray::{ArrayView1, Ix1};
 use numpy::{AllowTypeChange, IntoPyArray, IxDyn, PyArrayDyn, PyArrayLikeDyn};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
 /// A column of numbers: an array [n] of float64, read without a copy, whatever numpy makes one of, or one number for all.
@@ -125,6 +126,9 @@ impl Values<'_> {
     }
 }
 
+/// Elements that arguments are stretched to at most.
+const MOST: usize = 1 << 30;
+
 /// The elements of columns of any shapes, stretched to the shape that numpy's rules of broadcasting give them.
 pub(crate) enum Elements<'a, const N: usize> {
     /// Arrays of one length and single numbers, read where they lie.
@@ -137,17 +141,30 @@ impl<'a, const N: usize> Elements<'a, N> {
     /// With their shape.
     pub(crate) fn of(columns: [(&str, &'a Column<'_>); N]) -> PyResult<(Self, Vec<usize>)> {
         let shape = common_shape(&columns)?;
-        if columns.iter().all(|(_, column)| column.shape().is_empty() || (shape.len() == 1 && column.shape() == shape))
-        {
+        let in_place = |column: &Column<'_>| match column {
+            Column::One(_) => true,
+            Column::Array(_) => shape.len() == 1 && column.shape() == shape,
+        };
+        if columns.iter().all(|(_, column)| in_place(column)) {
             return Ok((Self::InPlace(together(columns)?.0), shape));
         }
-        let count: usize = shape.iter().product();
-        let stretched = columns.map(|(_, column)| match column {
-            Column::One(one) => vec![*one; count],
-            Column::Array(array) => {
-                array.as_array().broadcast(IxDyn(&shape)).map(|all| all.iter().copied().collect()).unwrap_or_default()
+        let count = shape.iter().try_fold(1_usize, |count, size| count.checked_mul(*size));
+        let count = count.filter(|count| *count <= MOST).ok_or_else(|| {
+            PyMemoryError::new_err(format!("the arguments go together to an array of the shape {shape:?}: too large"))
+        })?;
+        let mut stretched: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+        for (values, (_, column)) in stretched.iter_mut().zip(columns) {
+            let room = |_| PyMemoryError::new_err(format!("no room for {count} numbers"));
+            values.try_reserve_exact(count).map_err(room)?;
+            match column {
+                Column::One(one) => values.resize(count, *one),
+                Column::Array(array) => {
+                    if let Some(all) = array.as_array().broadcast(IxDyn(&shape)) {
+                        values.extend(all.iter());
+                    }
+                }
             }
-        });
+        }
         Ok((Self::Stretched(stretched), shape))
     }
 

@@ -39,6 +39,9 @@ pub fn text(found: &ConstantProfile, width: usize) -> String {
     }
     text.push('\n');
     text.push_str(&table.to_string());
+    for warning in &found.fit.outcome.warnings {
+        warn(&mut text, warning);
+    }
     if found.quantities.is_empty() {
         warn(&mut text, "no parameter is determined at the best value");
     }

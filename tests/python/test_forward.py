@@ -156,6 +156,10 @@ def test_arguments_are_broadcast_as_numpy_does() -> None:
     assert found.shape == (37, 5, 2)
     np.testing.assert_array_equal(found.ravel(), expected)
     assert morpho_fit.reflectivity(Structure.blue(), [450.0], theta, -4, 90).shape == (5,)
+    one = morpho_fit.reflectivity(Structure.blue(), np.array(450.0), theta[2], -4, 90)
+    assert one.shape == () and one == morpho_fit.reflectivity(Structure.blue(), 450, float(theta[2]), -4, 90)
+    with pytest.raises(MemoryError):
+        morpho_fit.reflectivity(Structure.blue(), np.full((100_000, 1), 450.0), np.zeros(100_000), 0, 90)
     assert morpho_fit.reflectivity(Structure.blue(), np.ones((0, 3)), 0.0, -4, 90).shape == (0, 3)
     lamella, multilayer = morpho_fit.contributions(Structure.blue(), WAVELENGTHS[:, None], theta, -4, 45)
     assert lamella.shape == multilayer.shape == (37, 5)

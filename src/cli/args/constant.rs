@@ -1,9 +1,10 @@
 //! A constant of the model to fit.
 
-use crate::args::{OutputArgs, ProblemArgs};
+use crate::args::ProblemArgs;
 use crate::values;
 use clap::Args;
 use morpho_fit::inversion::Constant;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(crate) struct ConstantArgs {
@@ -12,9 +13,26 @@ pub(crate) struct ConstantArgs {
     /// The constant, and between which values: n_cuticle, k_cuticle, n_gap, n_base, filling, ridge_spacing (nm),
     /// numerical_aperture, bandwidth (nm), period_spread (nm) or tilt_spread (deg).
     #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = varied, required = true, help_heading = "Constant")]
-    pub(crate) vary: Option<Varied>,
+    pub(crate) vary: Vec<Varied>,
     #[command(flatten)]
-    pub(crate) output: OutputArgs,
+    pub(crate) output: ConstantOutputArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct ConstantOutputArgs {
+    /// Folder of the results, made if it is missing [default: fits/<name of the data>/constant].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print constant.json instead of the report.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print no report and no progress.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+    /// Draw no plots.
+    #[arg(long)]
+    pub(crate) no_plots: bool,
 }
 
 /// A constant and its range, user units.
@@ -35,5 +53,10 @@ fn varied(text: &str) -> Result<Varied, String> {
     })?;
     let (low, high) = range.split_once(':').ok_or(shape)?;
     let limits = [values::number(low)?, values::number(high)?];
-    if limits[0] < limits[1] { Ok(Varied { constant, limits }) } else { Err("the range must rise".to_owned()) }
+    let (least, most) = constant.domain();
+    if least <= limits[0] && limits[0] < limits[1] && limits[1] <= most {
+        Ok(Varied { constant, limits })
+    } else {
+        Err(format!("the range must rise, within {least} to {most}"))
+    }
 }

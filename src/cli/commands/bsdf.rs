@@ -57,7 +57,7 @@ pub(crate) fn run(args: &BsdfArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-type Files = Vec<(String, Vec<u8>)>;
+pub(crate) type Files = Vec<(String, Vec<u8>)>;
 
 /// The model of the subject; none of the others is a distribution of reflectance in all directions.
 fn hybrid(model: &ModelArgs, subject: &Subject) -> Result<HybridModel, Usage> {

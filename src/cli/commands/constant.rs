@@ -43,7 +43,9 @@ pub(crate) fn run(args: &ConstantArgs) -> Result<Outcome> {
 }
 
 fn work(args: &ConstantArgs, problem: &Problem, folder: &Folder) -> Result<(ConstantProfile, Vec<u8>, Files)> {
-    let varied = args.vary.ok_or_else(|| Usage("name a constant: --vary n_cuticle=1.45:1.65".to_owned()))?;
+    let [varied] = args.vary.as_slice() else {
+        return Err(Usage("one constant is fitted at a time: give one --vary".to_owned()).into());
+    };
     let progress = Progress::new(args.output.quiet);
     let tell = |what: &str| progress.tell(what);
     let mut found = over_constant(&problem.data, &problem.settings, varied.constant, varied.limits, &tell)

@@ -1,6 +1,6 @@
 //! `morpho-fit render --write-mitsuba`: the scene of the pictures for Mitsuba 3.
 
-use super::bsdf::{Tables, smaller, tables};
+use super::bsdf::{Files, Tables, smaller, tables};
 use crate::args::{BsdfChoiceArgs, RenderArgs};
 use crate::exit::Usage;
 use crate::progress::Progress;
@@ -42,7 +42,7 @@ impl Stage {
         subject: &Subject,
         (scene, exposure): (&Scene, f64),
         progress: &Progress,
-    ) -> Result<(Vec<String>, Vec<(String, Vec<u8>)>)> {
+    ) -> Result<(Vec<String>, Files)> {
         let choice = BsdfChoiceArgs::within(args.mitsuba.bsdf_tolerance);
         let Tables { mut lines, files: surfaces, .. } = tables(&choice, &args.subject.model, subject, progress)
             .map_err(|error| smaller(error, "raise --bsdf-tolerance"))?;

@@ -13,14 +13,14 @@ use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::constant::Constant;
 use crate::inversion::fit::{FitError, fit};
-use crate::inversion::intervals::profile::lowest;
+use crate::inversion::intervals::profile::{LOWER, lowest};
 use crate::inversion::intervals::{IntervalPair, Quantiles, rivals, stretched};
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::{COUNT, outside};
 use crate::inversion::problem::Problem;
 use crate::inversion::quantity::Quantity;
 use crate::inversion::settings::FitSettings;
-use crate::optimise::LeastSquares;
+use crate::optimise::{LeastSquares, Minimum};
 use crate::uncertainty::covariance::regularised;
 use crate::uncertainty::profile::{Conditional, ProfileStart, profile};
 use argmin::core::{CostFunction, Executor};
@@ -36,8 +36,14 @@ const STEPS: u64 = 40;
 const BETWEEN: usize = 24;
 /// First step of the profile as a share of the range.
 const FIRST: f64 = 0.02;
-/// A best value this near an end of the range, as a share of it, is at the end.
-const AT_END: f64 = 1e-4;
+/// Times that the minimum is looked for again, and how near the last it must be, and an end of the range to be
+/// there, as a share of it.
+const STILL: usize = 12;
+const NEAR: f64 = 1e-4;
+/// Times that a lower minimum met by the profile begins it anew.
+const RESTARTS: usize = 3;
+/// What a quantity moves along the constant in standard deviations, at least, for an open end of that to be one of its own.
+const MOVES: f64 = 0.1;
 
 /// A quantity with the constant known, and with it fitted; user units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -112,8 +118,9 @@ pub fn over_constant(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<ConstantProfile, FitError> {
     let [low, high] = limits;
-    if !(low.is_finite() && high.is_finite() && low < high) {
-        return Err(FitError::ConstantRange { constant: constant.name(), low, high });
+    let (least, most) = constant.domain();
+    if !(least <= low && low < high && high <= most) {
+        return Err(FitError::ConstantRange { constant: constant.name(), low, high, least, most });
     }
     let at = |value: f64| fit(data, &constant.set(settings, value)?, &|_| {});
     let mut grid: Vec<(f64, Fit)> = Vec::new();
@@ -123,24 +130,47 @@ pub fn over_constant(
         let value = low + (high - low) * step as f64 / (GRID - 1) as f64;
         progress(&format!("fitting with {constant} {value:.4}"));
         match at(value) {
-            Ok(found) if found.outcome.chi2.is_finite() => grid.push((value, found)),
+            Ok(found) if cost(&found).is_finite() => grid.push((value, found)),
             Ok(_) => {}
             Err(error) => refused = refused.or(Some(error)),
         }
     }
-    let lowest = (0..grid.len()).min_by(|a, b| grid[*a].1.outcome.chi2.total_cmp(&grid[*b].1.outcome.chi2));
+    let lowest = (0..grid.len()).min_by(|a, b| cost(&grid[*a].1).total_cmp(&cost(&grid[*b].1)));
     let Some(place) = lowest else {
         return Err(refused.unwrap_or(FitError::NowhereFinite { model: settings.forward()?.name() }));
     };
     let ends = [grid[place.saturating_sub(1)].0, grid[(place + 1).min(grid.len() - 1)].0];
-    let (value, base) = grid.swap_remove(place);
-    let start = base.solution.minima[0].parameters.clone();
-    let along = Along { data, settings, constant, base: &base, progress };
-    let refined = along.minimum(ends, &start).unwrap_or(value);
-    // The refined value stands only if a whole search there agrees that it is lower.
-    let refined = at(refined).ok().filter(|found| found.outcome.chi2 <= base.outcome.chi2).map(|fit| (refined, fit));
-    let (best, fit) = refined.unwrap_or_else(|| (value, base.clone()));
+    let (mut best, mut fit) = grid.swap_remove(place);
+    // The weights of a robust loss follow the fit: the minimum is looked for until it stands still.
+    for _ in 0..STILL {
+        let start = fit.solution.minima[0].parameters.clone();
+        let along = Along { data, settings, constant, base: &fit, progress };
+        let Some(refined) = along.minimum(ends, &start) else { break };
+        // It stands only if a whole search there agrees that it is lower.
+        let Some(found) = at(refined).ok().filter(|found| cost(found) <= cost(&fit)) else { break };
+        let moved = (refined - best).abs();
+        (best, fit) = (refined, found);
+        if moved < NEAR * (high - low) {
+            break;
+        }
+    }
+    for _ in 0..RESTARTS {
+        let found = Along { data, settings, constant, base: &fit, progress }.profile(best, limits)?;
+        let lowest = found.values.iter().zip(&found.excess).min_by(|a, b| a.1.total_cmp(b.1));
+        // A minimum below that of the fit, in a basin that the first values stepped over.
+        let lower =
+            lowest.filter(|(_, excess)| **excess < -LOWER).and_then(|(&value, _)| Some((value, at(value).ok()?)));
+        match lower.filter(|(_, other)| cost(other) < cost(&fit)) {
+            Some((value, other)) => (best, fit) = (value, other),
+            None => return Ok(found),
+        }
+    }
     Along { data, settings, constant, base: &fit, progress }.profile(best, limits)
+}
+
+/// What a fit minimised: chi², or the sum of its robust loss.
+fn cost(found: &Fit) -> f64 {
+    found.solution.minima.first().map_or(f64::INFINITY, Minimum::sum_of_squares)
 }
 
 /// The least sums of squares along a constant, from the minima of the fit at one of its values.
@@ -221,9 +251,11 @@ impl Along<'_> {
             let limits = quantity.limits(&solution.searched);
             let points: Vec<[f64; 3]> = seen.iter().map(|(e, all)| [*e, all[column].0, all[column].1]).collect();
             let interval = |z: f64, constant: [Option<f64>; 2]| {
-                let [low, high] = reach(&points, z);
-                // Where the range of the constant was cut short, the quantity may go on too.
-                let cut = [constant[0].is_none() && cut_short[0], constant[1].is_none() && cut_short[1]];
+                let Some([low, high]) = reach(&points, z) else { return [None; 2] };
+                // Where the range of the constant was cut short, the quantity goes on too, if it moves at all.
+                let moves = [points.first(), points.last()]
+                    .map(|end| end.is_some_and(|[_, there, sigma]| (there - value).abs() > MOVES * sigma));
+                let cut = [0, 1].map(|end| constant[end].is_none() && cut_short[end] && moves[end]);
                 let end = |end: (f64, Option<usize>), limit: f64, side: f64| {
                     let within = (limit - end.0) * side > 0.0 && !end.1.is_some_and(|end| cut[end]);
                     within.then(|| quantity.outside(end.0))
@@ -243,13 +275,22 @@ impl Along<'_> {
                 intervals: stretched(intervals, *quantity, self.base, quantity.outside(value), outer),
             }
         };
-        let near = AT_END * (limits[1] - limits[0]);
+        let near = NEAR * (limits[1] - limits[0]);
+        // Where the model misses the data, the constant moves with parts of them as the quantities do.
+        let widest = quantities.iter().map(|quantity| Quantiles::of(outcome).stretch(*quantity, outcome));
+        let widest = widest.fold([1.0_f64; 2], |most, one| [most[0].max(one[0]), most[1].max(one[1])]);
+        let widened = |place: usize| {
+            pair(place).map(|end| {
+                let moved = best + widest[place] * (end? - best);
+                (limits[0] < moved && moved < limits[1]).then_some(moved)
+            })
+        };
         Ok(ConstantProfile {
             constant: self.constant,
             told: self.constant.of(self.settings),
             best,
-            at_end: (best - limits[0]).min(limits[1] - best) < near,
-            intervals: IntervalPair { interval_68: pair(0), interval_95: pair(1) },
+            at_end: (cut_short[0] && best - limits[0] < near) || (cut_short[1] && limits[1] - best < near),
+            intervals: IntervalPair { interval_68: widened(0), interval_95: widened(1) },
             limits,
             levels: [sixty_eight * sixty_eight, ninety_five * ninety_five],
             values: found.points.iter().map(|point| point.value).collect(),
@@ -283,10 +324,11 @@ impl Along<'_> {
 }
 
 /// Least and largest value of a quantity within `z` standard deviations, and at which end of the profile each is met, if at
-/// one.
+/// one; none without a point.
 ///
-/// - `points`: Δchi², best value, standard deviation along the profile; in between they are taken to be straight.
-fn reach(points: &[[f64; 3]], z: f64) -> [(f64, Option<usize>); 2] {
+/// - `points`: Δchi², best value, standard deviation along the profile; in between the root of the first and the others are
+///   taken to be straight.
+fn reach(points: &[[f64; 3]], z: f64) -> Option<[(f64, Option<usize>); 2]> {
     let (mut low, mut high) = ((f64::INFINITY, None), (f64::NEG_INFINITY, None));
     let last = points.len().saturating_sub(1);
     let mut ask = |[excess, value, sigma]: [f64; 3], end: Option<usize>| {
@@ -306,7 +348,11 @@ fn reach(points: &[[f64; 3]], z: f64) -> [(f64, Option<usize>); 2] {
         for step in 0..=BETWEEN {
             #[allow(clippy::cast_precision_loss, reason = "a few steps")]
             let share = step as f64 / BETWEEN as f64;
-            let between = std::array::from_fn(|column| pair[0][column] + share * (pair[1][column] - pair[0][column]));
+            let mix = |from: f64, to: f64| from + share * (to - from);
+            let between = std::array::from_fn(|column| match column {
+                0 => mix(pair[0][0].sqrt(), pair[1][0].sqrt()).powi(2),
+                column => mix(pair[0][column], pair[1][column]),
+            });
             let first = (place == 0 && step == 0).then_some(0);
             ask(between, first.or((place + 1 == last && step == BETWEEN).then_some(1)));
         }
@@ -314,7 +360,7 @@ fn reach(points: &[[f64; 3]], z: f64) -> [(f64, Option<usize>); 2] {
     if let [only] = points {
         ask(*only, None);
     }
-    [low, high]
+    (!points.is_empty()).then_some([low, high])
 }
 
 #[cfg(test)]
@@ -324,15 +370,24 @@ mod tests {
     #[test]
     fn a_linear_problem_has_the_variance_of_two_unknowns() {
         // chi² = (c / 0.5)² + ((x - 3 c) / 0.2)²: the variance of x is 0.2² + (3 · 0.5)².
-        let points: Vec<[f64; 3]> =
-            (-40..=40).map(|step| f64::from(step) * 0.05).map(|c| [(c / 0.5).powi(2), 3.0 * c, 0.2]).collect();
-        for z in [1.0, 1.96] {
-            let [low, high] = reach(&points, z);
-            let expected = z * (0.04_f64 + 2.25).sqrt();
-            assert!((high.0 - expected).abs() < 2e-3 && (low.0 + expected).abs() < 2e-3, "{low:?} {high:?}");
-            assert_eq!((low.1, high.1), (None, None));
+        let at = |step: i32, steps: f64| -> [f64; 3] {
+            let c = f64::from(step) / steps;
+            [(c / 0.5).powi(2), 3.0 * c, 0.2]
+        };
+        // Points as near as one likes, and as far from each other as a profile steps: one standard deviation.
+        for points in
+            [(-40..=40).map(|step| at(step, 20.0)).collect::<Vec<_>>(), (-4..=4).map(|step| at(step, 2.0)).collect()]
+        {
+            for z in [1.0, 1.96] {
+                let [low, high] = reach(&points, z).unwrap();
+                let expected = z * (0.04_f64 + 2.25).sqrt();
+                assert!((high.0 - expected).abs() < 4e-3 && (low.0 + expected).abs() < 4e-3, "{low:?} {high:?}");
+                assert_eq!((low.1, high.1), (None, None));
+            }
         }
-        // Beyond half of it the profile was not followed.
-        assert_eq!(reach(&points[..50], 1.0)[1].1, Some(1));
+        // Beyond a fifth of it the profile was not followed.
+        let half: Vec<[f64; 3]> = (-40..=9).map(|step| at(step, 20.0)).collect();
+        assert_eq!(reach(&half, 1.0).unwrap()[1].1, Some(1));
+        assert_eq!(reach(&[], 1.0), None);
     }
 }

@@ -20,7 +20,7 @@ const BLIND: f64 = 0.1;
 /// Tolerances of a conditional minimum: the cost to far less than the 0.004 of chi² that the ends are found to.
 const CONDITIONAL: Tolerances = Tolerances { cost: 1e-9, step: 1e-8, gradient: 1e-11, max_evaluations: 80, escapes: 2 };
 /// A conditional minimum this far below the best, in chi², is another minimum and no rounding.
-const LOWER: f64 = 0.01;
+pub(super) const LOWER: f64 = 0.01;
 
 /// The profile of one quantity, in the user's unit.
 #[derive(Debug, Clone, PartialEq)]
