@@ -22,9 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let surface = Surface::new(&maps, Wing::RELIEF, blue.d_air)?;
     let scene = Scene::vertical_sun(view.to_radians());
     let picture = trace(&surface, &colours, &scene, (1024, 768), 4, integration.white())?;
-    let pictures = [picture];
-    let (bytes, outside) =
-        pictures[0].bytes(exposure(&pictures)?, GamutMapping::default(), Background::Colour([1.0; 3]))?;
+    let factor = exposure([Ok(picture.clone())])?;
+    let (bytes, outside) = picture.bytes(factor, GamutMapping::default(), Background::Colour([1.0; 3]))?;
     println!("{:.1} % of the wing lie outside sRGB", 100.0 * outside);
     std::fs::write(file, png(&Pixels { width: 1024, height: 768, bytes })?)?;
     Ok(())

@@ -146,6 +146,7 @@ fn a_broken_file_is_told_with_its_place_and_writes_nothing() {
     for (flags, code, said) in [
         ("--wavelengths 900:1000", 2, "360 to 830 nm"),
         ("--wavelengths 300:400:10", 2, "360 to 830 nm"),
+        ("--wavelengths 401:402", 2, "401:402:STEP"),
         ("--theta 95", 2, "95 is not within -90 to 90"),
         ("--phi -90:90:0.0001", 2, "readings"),
         ("--phi 5|5", 3, "reading"),
@@ -157,16 +158,46 @@ fn a_broken_file_is_told_with_its_place_and_writes_nothing() {
     assert!(!folder.path().join("never.csv").exists());
 }
 
+/// Colours are those of all that eyes see, whatever the wavelengths of the spectral file.
+#[test]
+fn the_file_of_colours_does_not_go_by_the_range_of_the_spectral_one() {
+    let folder = TempDir::new().unwrap();
+    let straight = |place: &str, flags: &str| {
+        succeeds(&folder, &format!("{SMALL} {flags} --out {place} --quiet"));
+        let fields = MeasuredFields::read(&fs::read(folder.path().join(place).join("wing_rgb.bsdf")).unwrap()).unwrap();
+        let mut rgb = [0.0; 3];
+        let table = MeasuredBsdf::new(fields).unwrap();
+        table.evaluate([0.0, 0.0, 1.0], [0.0, 0.0, 1.0], &mut rgb).unwrap();
+        rgb
+    };
+    let (whole, narrow, infrared) =
+        (straight("a", ""), straight("b", "--wavelengths 500:600"), straight("c", "--wavelengths 1000:1200"));
+    assert!(whole[2] > 0.1, "{whole:?}");
+    for found in [narrow, infrared] {
+        assert!(found.iter().zip(whole).all(|(found, whole)| (found - whole).abs() < 1e-5), "{found:?} for {whole:?}");
+    }
+}
+
+/// A fit whose model holds in single planes is told as what it is drawn by.
+#[test]
+fn a_fit_of_another_model_becomes_a_file_by_hybrid() {
+    let folder = TempDir::new().unwrap();
+    succeeds(&folder, "simulate --seed 7 --out blue.csv");
+    succeeds(&folder, "blue.csv --quiet --no-plots");
+    let ended = succeeds(&folder, &format!("{SMALL} fits/blue"));
+    assert!(ended.out.contains("drawn by the model hybrid with ridges 750 nm apart: blend"), "{}", ended.out);
+    assert!(folder.path().join("fits/blue/bsdf/wing_spectral.bsdf").exists());
+}
+
 #[test]
 fn what_is_no_surface_is_refused_and_leaves_nothing() {
     let folder = TempDir::new().unwrap();
     for (flags, code, said) in [
-        ("--model blend", 2, "needs --model hybrid"),
-        ("--model paper", 2, "needs --model hybrid"),
+        ("--model blend", 2, "leave --model out"),
+        ("--model paper", 2, "leave --model out"),
         ("--max-bytes 100000", 4, "raise --tolerance or --max-bytes"),
         ("--tolerance 0", 2, "not above 0"),
         ("--wavelengths 700:400", 2, "is not below"),
-        ("--wavelengths 1000:1200", 2, "nothing that eyes see"),
         ("--bandwidth 10", 2, "leave the averages"),
         ("--lamella-width 900", 2, "lamella_width"),
     ] {

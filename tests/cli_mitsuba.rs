@@ -28,6 +28,11 @@ const FILES: [&str; 11] = [
     "wing_spectral.bsdf",
 ];
 
+/// [`SMALL`] with maps that are given.
+fn given() -> String {
+    SMALL.replace("--map-size 48x48", "")
+}
+
 fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap()
 }
@@ -106,7 +111,10 @@ fn the_mesh_is_the_displaced_map() {
     let folder = TempDir::new().unwrap();
     let ramp: Vec<f32> = (0..32 * 32).map(|pixel| (pixel % 32) as f32 / 31.0).collect();
     fs::write(folder.path().join("ramp.png"), png16(32, 32, 1, &ramp).unwrap()).unwrap();
-    succeeds(&folder, &format!("{SMALL} --plain --height-map ramp.png --relief 0.2 --mesh 17 --view 10 --out here"));
+    succeeds(
+        &folder,
+        &format!("{} --plain --height-map ramp.png --relief 0.2 --mesh 17 --view 10 --out here", given()),
+    );
     let (vertices, triangles) = parsed(&folder.path().join("here/mitsuba/wing.ply"));
     assert_eq!((vertices.len(), triangles.len()), (17 * 17, 2 * 16 * 16));
     for vertex in &vertices {
@@ -131,7 +139,7 @@ fn a_plain_wing_is_a_rectangle_with_even_maps() {
     // A quarter turn, grey as in the paper, and a mask without alpha.
     fs::write(folder.path().join("quarter.png"), png16(4, 4, 1, &[0.25; 16]).unwrap()).unwrap();
     fs::write(folder.path().join("half.png"), png16(4, 4, 1, &[0.5; 16]).unwrap()).unwrap();
-    succeeds(&folder, &format!("{SMALL} --plain --angle-map quarter.png --mask half.png --view 10 --out here"));
+    succeeds(&folder, &format!("{} --plain --angle-map quarter.png --mask half.png --view 10 --out here", given()));
     let here = folder.path().join("here/mitsuba");
     let (vertices, triangles) = parsed(&here.join("wing.ply"));
     assert_eq!((vertices.len(), triangles.len()), (4, 2));

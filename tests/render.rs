@@ -282,11 +282,45 @@ fn the_exposure_keeps_99_of_100_pixels_within_the_display() {
         })
         .collect();
     let picture = Picture { width: 100, height: 1, pixels, white };
-    let found = exposure(std::slice::from_ref(&picture)).unwrap();
-    assert!((found - 0.5).abs() < 1e-4, "{found}");
+    let found = exposure([Ok(picture.clone())]).unwrap();
+    // The 99th is 1.98 times as light as white.
+    assert!((found - 1.0 / 1.98).abs() < 1e-4, "{found}");
     // Bare pixels do not count, and where there is no light nothing is scaled.
     let bare = Picture { pixels: vec![[0.0; 4]; 100], ..picture };
-    assert!((exposure(&[bare]).unwrap() - 1.0).abs() < 1e-12);
+    assert!((exposure([Ok(bare)]).unwrap() - 1.0).abs() < 1e-12);
+}
+
+/// A background is a colour of the display, whatever light falls on the wing.
+#[test]
+fn the_background_is_its_own_colour_in_any_light() {
+    let integration = Integration::new(&Wavelengths::finest(), Observer::Cie1931, &Illuminant::A).unwrap();
+    let picture = Picture { width: 1, height: 1, pixels: vec![[0.0; 4]], white: integration.white() };
+    for colour in [[255, 255, 255], [200, 30, 60], [10, 120, 250], [0, 255, 0]] {
+        let shown = picture.bytes(0.7, GamutMapping::default(), Background::encoded(colour)).unwrap().0;
+        assert!(shown.iter().zip(colour).all(|(found, asked)| found.abs_diff(asked) <= 1), "{shown:?} for {colour:?}");
+    }
+}
+
+/// The gap varies over the wing by the standard deviation that is asked for.
+#[test]
+fn the_gap_spreads_as_it_is_asked_to() {
+    let wing = Wing { size: (1024, 1024), base: 0.0, gap: 141.0, gap_spread: 6.0 };
+    let maps = default_maps(&wing).unwrap();
+    let map = maps.gap.as_ref().unwrap();
+    let (mut count, mut sum, mut squares, mut ends) = (0.0, 0.0, 0.0, [f64::INFINITY, 0.0_f64]);
+    for pixel in 0..1024 * 1024 {
+        let (column, row) = (pixel % 1024, pixel / 1024);
+        if maps.mask.grey(column, row) > 0.0 {
+            let gap = map.range[0] + f64::from(map.raster.grey(column, row)) * (map.range[1] - map.range[0]);
+            (count, sum, squares) = (count + 1.0, sum + gap, squares + gap * gap);
+            ends = [ends[0].min(gap), ends[1].max(gap)];
+        }
+    }
+    let mean = sum / count;
+    let spread = (squares / count - mean * mean).sqrt();
+    assert!((spread / 6.0 - 1.0).abs() < 0.03 && (mean - 141.0).abs() < 0.3, "{mean} ± {spread}");
+    let found = Surface::new(&maps, 0.04, 141.0).unwrap().found_gaps();
+    assert!((found[0] - ends[0]).abs() < 1e-4 && (found[1] - ends[1]).abs() < 1e-4, "{found:?} for {ends:?}");
 }
 
 #[test]
@@ -310,6 +344,7 @@ fn what_cannot_be_drawn_is_refused() {
     let sizes = "map is 2 × 4 pixels, the height map 4 × 4; maps of one wing have the same size";
     assert_eq!(message(Maps { mask: small.clone(), ..maps.clone() }), format!("the mask {sizes}"));
     assert_eq!(message(Maps { gap, ..maps.clone() }), format!("the d_air {sizes}"));
+    assert!(message(Maps { mask: even(&[0.0]), ..maps.clone() }).contains("no wing"));
     for relief in [f64::NAN, 1.5] {
         assert!(matches!(Surface::new(&maps, relief, 141.0), Err(RenderError::OutOfRange { .. })));
     }

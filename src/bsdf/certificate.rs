@@ -60,7 +60,7 @@ pub struct Certificate {
     pub albedo_of_model: Albedo,
     /// Table against model at the random directions, and at wavelengths between those of the table.
     pub error: Trial,
-    /// Random directions in which model or table has light.
+    /// Random directions in which model or table has light: as many as were asked for, or fewer where light is rare.
     pub directions: usize,
 }
 
@@ -70,7 +70,7 @@ pub struct Certificate {
 /// `directions` random ones follow from `seed`; the numbers are the same on any number of threads.
 ///
 /// # Errors
-/// [`BsdfError::Channels`] if the table has other channels than the source, [`BsdfError::Dark`] if it holds nothing.
+/// [`BsdfError::Channels`] if the table has other channels than the source, [`BsdfError::Dark`] if it holds nothing, or no random direction has light.
 pub fn certify(
     source: &Source<'_>,
     table: &MeasuredBsdf,
@@ -85,7 +85,10 @@ pub fn certify(
     if peak <= DARK {
         return Err(BsdfError::Dark);
     }
-    let (error, exchanged) = at_random(source, table, directions, seed)?;
+    let (error, exchanged, directions) = at_random(source, table, directions, seed)?;
+    if directions == 0 {
+        return Err(BsdfError::Dark);
+    }
     let trial = |mean: Mean| Trial { rms: mean.square().sqrt() / peak, worst: mean.largest() / peak };
     Ok(Certificate {
         peak_per_sr: peak,
@@ -125,13 +128,13 @@ fn at_nodes(source: &Source<'_>, table: &MeasuredBsdf) -> Result<f64, BsdfError>
     Ok(worst?.into_iter().fold(0.0, f64::max))
 }
 
-/// Table against model, and against itself with source and view exchanged.
+/// Table against model, and against itself with source and view exchanged; and in how many directions there was light.
 fn at_random(
     source: &Source<'_>,
     table: &MeasuredBsdf,
     directions: usize,
     seed: u64,
-) -> Result<(Mean, Mean), BsdfError> {
+) -> Result<(Mean, Mean, usize), BsdfError> {
     let blocks = directions.div_ceil(BLOCK);
     let one = |block: usize| {
         let mut random =
@@ -172,13 +175,13 @@ fn at_random(
                 exchanged.add(*there * incoming[2] - *back * outgoing[2]);
             }
         }
-        Ok((error, exchanged))
+        Ok((error, exchanged, found))
     };
-    let all: Result<Vec<(Mean, Mean)>, BsdfError> = (0..blocks).into_par_iter().map(one).collect();
-    let both = |(error, exchanged): (Mean, Mean), (other, other_exchanged)| {
-        (error.with(other), exchanged.with(other_exchanged))
+    let all: Result<Vec<(Mean, Mean, usize)>, BsdfError> = (0..blocks).into_par_iter().map(one).collect();
+    let both = |(error, exchanged, found): (Mean, Mean, usize), (other, other_exchanged, more)| {
+        (error.with(other), exchanged.with(other_exchanged), found + more)
     };
-    Ok(all?.into_iter().fold((Mean::default(), Mean::default()), both))
+    Ok(all?.into_iter().fold((Mean::default(), Mean::default(), 0), both))
 }
 
 /// The largest albedo over the incidences of the table, at nodes and halfway between angles; mirror images across the ridges are left out.

@@ -119,25 +119,27 @@ impl Warp {
         };
         let [half_x, half_y] = [width, height].map(|nodes| 0.5 / (nodes - 1) as f64);
         for slice in values.chunks_exact(height * width) {
-            let (first, first_marginal) = (warp.conditional.len(), warp.marginal.len());
+            // In double precision up to the norm: that of tiny densities is more than single precision holds.
+            let (mut conditional, mut marginal) =
+                (Vec::with_capacity(height * (width - 1)), Vec::with_capacity(height - 1));
             let mut sums = Vec::with_capacity(height);
             for row in slice.chunks_exact(width) {
                 let mut sum = 0.0;
                 for (left, right) in row.iter().zip(row.iter().skip(1)) {
                     sum += half_x * (f64::from(*left) + f64::from(*right));
-                    warp.conditional.push(sum as f32);
+                    conditional.push(sum);
                 }
                 sums.push(sum);
             }
             let mut sum = 0.0;
             for (low, high) in sums.iter().zip(sums.iter().skip(1)) {
                 sum += half_y * (low + high);
-                warp.marginal.push(sum as f32);
+                marginal.push(sum);
             }
-            let norm = if sum > 0.0 { (1.0 / sum) as f32 } else { 0.0 };
-            warp.conditional.iter_mut().skip(first).for_each(|value| *value *= norm);
-            warp.marginal.iter_mut().skip(first_marginal).for_each(|value| *value *= norm);
-            warp.values.extend(slice.iter().map(|value| value * norm));
+            let norm = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+            warp.conditional.extend(conditional.iter().map(|value| (value * norm) as f32));
+            warp.marginal.extend(marginal.iter().map(|value| (value * norm) as f32));
+            warp.values.extend(slice.iter().map(|value| (f64::from(*value) * norm) as f32));
         }
         warp
     }
@@ -201,6 +203,15 @@ mod tests {
     fn a_density_of_nothing_is_no_division_by_zero() {
         let found = Warp::new(&[0.0; 4], [2, 2]).inverse([0.5, 0.5], &ALONE);
         assert!(found.iter().all(|place| place.is_finite()));
+    }
+
+    #[test]
+    fn tiny_densities_map_as_large_ones() {
+        // A norm of 1e39 is infinite in single precision.
+        for density in [1e-39_f32, 1.0] {
+            let found = Warp::new(&[density; 20], [4, 5]).inverse([0.3, 0.7], &ALONE);
+            assert!((found[0] - 0.3).abs() < 1e-6 && (found[1] - 0.7).abs() < 1e-6, "{found:?}");
+        }
     }
 
     #[test]

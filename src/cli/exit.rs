@@ -116,7 +116,8 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
             RenderError::Png { .. }
             | RenderError::Size { .. }
             | RenderError::Values { .. }
-            | RenderError::Mismatch { .. } => BAD_DATA,
+            | RenderError::Mismatch { .. }
+            | RenderError::NoWing => BAD_DATA,
             RenderError::TooLarge { .. } => NOT_CONVERGED,
             _ => USAGE,
         });

@@ -23,7 +23,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
         let file = File::open(path).with_context(unreadable)?;
         let about = file.metadata().with_context(unreadable)?;
         if about.is_dir() {
-            return Err(Usage(format!("{} is a folder; give the CSV file in it", path.display())).into());
+            return Err(Usage(format!("{} is a folder; give the name of a file in it", path.display())).into());
         }
         // The limit holds for what has no length too, such as a device.
         file.take(MOST_BYTES + 1).read_to_end(&mut bytes).with_context(unreadable)?;
@@ -70,6 +70,11 @@ impl Folder {
     /// Writes all files beside their places, then renames all of them; if one cannot be written, none is replaced. A name may
     /// have a folder in it, which is made.
     pub(crate) fn write(&self, files: &[(String, Vec<u8>)]) -> Result<()> {
+        let mut names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+        names.sort_unstable();
+        if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(Usage(format!("two files would have the name {}", pair[0])).into());
+        }
         let mut parts = Vec::new();
         let mut inner = Vec::new();
         for (name, bytes) in files {

@@ -6,8 +6,8 @@ use crate::{options, output};
 use anyhow::{Context, Result};
 use morpho_fit::export::read_fit_json;
 use morpho_fit::inversion::Parameter;
-use morpho_fit::inversion::{FitOutcome, FitSettings, structure};
-use morpho_fit::optics::{Averages, ReflectivityModel, Structure};
+use morpho_fit::inversion::{FitOutcome, FitSettings, ModelChoice, structure};
+use morpho_fit::optics::{Averages, HybridModel, Join, ReflectivityModel, Structure};
 use std::path::{Path, PathBuf};
 
 /// The structure with everything that is needed to draw it.
@@ -72,6 +72,46 @@ impl Subject {
         let plain = if averages.is_none() { None } else { Some((plain.forward().ok()?, averages)) };
         let (name, folder) = (name.to_owned(), PathBuf::new());
         Some(Self { name, folder, structure: structure(&values), model, plain, fit: Some(outcome.clone()) })
+    }
+
+    /// The surface of a fit by the hybrid model, which alone has directions outside one plane, with what is told of that. Of the
+    /// averages of the fit the spread of the period is the surface's, and stays if `spread`; the others are the instrument's,
+    /// or have no place in this model.
+    pub(crate) fn by_hybrid(&mut self, spread: bool) -> Result<Vec<String>> {
+        let Some(fit) = &self.fit else { return Ok(Vec::new()) };
+        let of_the_fit = fit.settings.averages;
+        let Averages { numerical_aperture, bandwidth, period_spread, tilt_spread } = of_the_fit;
+        let averages = Averages { period_spread: if spread { period_spread } else { 0.0 }, ..Averages::default() };
+        let mut told = Vec::new();
+        let model = match self.model.join() {
+            Join::Product { .. } => fit.settings.model,
+            Join::Planes => {
+                told.push(format!(
+                    "drawn by the model hybrid with ridges {} nm apart: {}, of the fit, knows directions in one plane only",
+                    HybridModel::RIDGE_SPACING,
+                    self.model.name()
+                ));
+                ModelChoice::Hybrid { ridge_spacing: HybridModel::RIDGE_SPACING }
+            }
+        };
+        let left: Vec<&str> = [
+            ("numerical aperture (the instrument's)", numerical_aperture > 0.0),
+            ("bandwidth (the instrument's)", bandwidth > 0.0),
+            ("spread of the tilt (hybrid has none)", tilt_spread > 0.0),
+            ("spread of the period (a table is of equal layers)", period_spread > 0.0 && !spread),
+        ]
+        .into_iter()
+        .filter_map(|(name, is_left)| is_left.then_some(name))
+        .collect();
+        if !left.is_empty() {
+            told.push(format!("averages of the fit that are left out: {}", left.join(", ")));
+        }
+        if averages.period_spread > 0.0 {
+            told.push(format!("the layers' period varies by {period_spread} nm, as in the fit"));
+        }
+        let settings = FitSettings { model, averages, ..fit.settings.clone() };
+        self.model = settings.forward().map_err(|problem| Usage(problem.to_string()))?;
+        Ok(told)
     }
 
     /// The five values in one line.

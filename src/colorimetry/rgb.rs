@@ -194,6 +194,24 @@ impl RgbTransform {
         }
     }
 
+    /// The colour, under the white that this was made for, of linear RGB: the inverse of [`RgbTransform::linear`].
+    ///
+    /// # Errors
+    /// [`ColourError::NotFinite`].
+    ///
+    /// ```
+    /// use morpho_fit::colorimetry::{RgbSpace, RgbTransform, Xyz};
+    /// let white = Xyz { x: 1.0985, y: 1.0, z: 0.3558 }; // illuminant A
+    /// let display = RgbTransform::adapted(RgbSpace::Srgb, white)?;
+    /// let [red, ..] = display.linear(display.colour([0.5, 0.1, 0.2])?)?;
+    /// assert!((red - 0.5).abs() < 1e-12);
+    /// # Ok::<(), morpho_fit::colorimetry::ColourError>(())
+    /// ```
+    pub fn colour(&self, linear: [f64; 3]) -> Result<Xyz, ColourError> {
+        let colour = inverse(matrix(self.matrix)) * Vector3::from(linear);
+        Xyz { x: colour.x, y: colour.y, z: colour.z }.finite()
+    }
+
     /// Encoded RGB, neither clipped nor moved into the gamut; see [`super::show`] for that.
     ///
     /// # Errors

@@ -46,8 +46,6 @@ pub struct RenderSheet<'a> {
     pub exposure: (f64, bool),
     /// Each picture: its files, its scene, and the share of the wing that sRGB cannot show.
     pub pictures: &'a [(Vec<String>, Scene, f64)],
-    /// Seconds of each step.
-    pub seconds: &'a [(&'a str, f64)],
 }
 
 /// The sheet as indented JSON; angles in degrees, lengths of the scene in half sides of the square.
@@ -82,7 +80,7 @@ pub fn render_json(sheet: &RenderSheet<'_>) -> Result<Vec<u8>, ExportError> {
         "samples_per_pixel": sheet.samples * sheet.samples,
         "exposure": {
             "factor": sheet.exposure.0,
-            "chosen": if sheet.exposure.1 { "99 % of the pixels of wing over all pictures fit below 1" } else { "given" },
+            "chosen": if sheet.exposure.1 { "about 99 % of the pixels of wing over all pictures fit below 1" } else { "given" },
             "unit": "1: a white diffuser turned to the sun is white; the EXR files have this unit, without the factor",
         },
         "scene": {
@@ -95,7 +93,7 @@ pub fn render_json(sheet: &RenderSheet<'_>) -> Result<Vec<u8>, ExportError> {
         },
         "maps": object(&mut sheet.maps.iter().map(|(map, origin)| ((*map).to_owned(), json!(origin)))),
         "relief_sides": sheet.relief,
-        "gaps_nm": sheet.surface.gaps(),
+        "gaps_nm": sheet.surface.found_gaps().map(rounded),
         "model": sheet.model,
         "structure": parameters,
         "stack": sheet.stack,
@@ -113,7 +111,6 @@ pub fn render_json(sheet: &RenderSheet<'_>) -> Result<Vec<u8>, ExportError> {
                 "tolerance": sheet.tolerance, "worst": error.worst, "mean": error.mean, "directions": error.compared,
             },
         },
-        "seconds": object(&mut sheet.seconds.iter().map(|(step, seconds)| ((*step).to_owned(), json!(seconds)))),
     });
     let mut bytes = serde_json::to_vec_pretty(&text)?;
     bytes.push(b'\n');

@@ -33,7 +33,7 @@ pub enum RenderError {
     /// An image file that cannot be read.
     #[error("not a PNG that can be read: {problem}")]
     Png {
-        /// What is wrong, in the decoder's words.
+        /// What is wrong.
         problem: String,
     },
     /// An image without pixels, or with too many.
@@ -68,6 +68,9 @@ pub enum RenderError {
         /// The size of that one.
         needed: (usize, usize),
     },
+    /// A mask that is 0 everywhere.
+    #[error("the mask has no wing anywhere: its alpha, or its grey where it has none, is 0 in every pixel")]
+    NoWing,
     /// A tolerance that more nodes than are allowed would meet.
     #[error("with {nodes} nodes a colour is still off by ΔE₀₀ {worst:.2}, and {tolerance} is asked for")]
     TooLarge {

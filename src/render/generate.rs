@@ -18,11 +18,11 @@ use std::f64::consts::{PI, TAU};
 pub struct Wing {
     /// Width and height of the maps, pixels.
     pub size: (usize, usize),
-    /// Reflectance of the brown base, 0 to 1.
+    /// Reflectance of the brown base, 0 to 0.571, at which its red is all light.
     pub base: f64,
     /// Mean gap, nm.
     pub gap: f64,
-    /// Standard deviation of the gap over the wing, nm; 0 for none.
+    /// Standard deviation of the gap over the wing, nm; 0 for none. No gap is farther from the mean than 2.5 of these.
     pub gap_spread: f64,
 }
 
@@ -34,7 +34,12 @@ impl Wing {
         let Self { size: (width, height), base, gap, gap_spread } = *self;
         raster::size(width, height)?;
         for (quantity, found, most, allowed) in [
-            ("the reflectance of the base", base, 1.0, "0 to 1"),
+            (
+                "the reflectance of the base",
+                base,
+                BROWN[0].recip(),
+                "0 to 0.571: the red of its brown is 1.75 times that",
+            ),
             ("the spread of the gap, nm,", gap_spread, gap / ENDS, "0 to 0.4 of the gap"),
         ] {
             if !(0.0..=most).contains(&found) {
@@ -47,6 +52,8 @@ impl Wing {
 
 /// Standard deviations from the mean at which the range of gaps ends.
 const ENDS: f64 = 2.5;
+/// Standard deviation over the wings of the chance that moves the gap (measured; `tests/render.rs` holds it).
+const GAP_CHANCE: f64 = 0.512;
 /// How much the lines fan out with the distance from the root.
 const FAN: f64 = 0.35;
 /// Length and width of a scale, half sides: about 0.25 mm by 0.15 mm on wings 10 cm wide, twice the size of real ones so that a
@@ -196,7 +203,7 @@ impl Part {
         let height = camber + fold + fine + VEIN_HEIGHT * vein + UNEVEN * wide(0.09, 9) + ROUGH * scale(10);
         let pale = base.max(PALE * spot);
         let brown = BROWN.map(|channel| base * (0.6 + 0.4 * lit) * channel * (1.0 - spot) + spot * pale);
-        let gap = 0.8 * wide(0.2, 11) + 0.9 * scale(12);
+        let gap = (0.8 * wide(0.2, 11) + 0.9 * scale(12)) / GAP_CHANCE;
         Some(Drawn { coverage, structural, height, ridge: ridge + SCATTER * scale(13), base: brown, gap })
     }
 }

@@ -34,21 +34,26 @@ impl Background {
 /// The exposure at which 99 % of the pixels of wing, over all pictures, have no linear channel of sRGB above 1; 1 if all are
 /// black.
 ///
+/// Each picture is taken when the one before is done with; four bytes of each pixel of wing stay.
+///
 /// # Errors
-/// [`RenderError::Colour`] for a white that is none.
-pub fn exposure(pictures: &[Picture]) -> Result<f64, RenderError> {
-    let mut largest = Vec::new();
+/// [`RenderError::Colour`] for a white that is none, and what a picture brings.
+pub fn exposure(pictures: impl IntoIterator<Item = Result<Picture, RenderError>>) -> Result<f64, RenderError> {
+    let mut largest: Vec<f32> = Vec::new();
     for picture in pictures {
+        let picture = picture?;
         let display = RgbTransform::adapted(RgbSpace::Srgb, picture.white)?;
         for pixel in picture.pixels.iter().filter(|pixel| pixel[3] >= MOSTLY) {
             let linear = display.linear(straight(pixel))?;
-            largest.push(linear.into_iter().fold(0.0, f64::max));
+            #[allow(clippy::cast_possible_truncation, reason = "pictures are in single precision")]
+            largest.push(linear.into_iter().fold(0.0, f64::max) as f32);
         }
     }
-    largest.sort_unstable_by(f64::total_cmp);
+    largest.sort_unstable_by(f32::total_cmp);
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
-    let at = (WITHIN * largest.len() as f64) as usize;
-    Ok(largest.get(at).filter(|value| **value > 0.0).map_or(1.0, |value| value.recip()))
+    let within = (WITHIN * largest.len() as f64).ceil() as usize;
+    let last = largest.get(within.saturating_sub(1)).filter(|value| **value > 0.0);
+    Ok(last.map_or(1.0, |value| f64::from(*value).recip()))
 }
 
 /// XYZ of the wing in a pixel, whatever its coverage.
@@ -74,7 +79,7 @@ impl Picture {
         let display = RgbTransform::adapted(RgbSpace::Srgb, self.white)?;
         let behind = match background {
             Background::Transparent => None,
-            Background::Colour(linear) => Some(under(self.white, RgbSpace::Srgb.xyz(linear)?)),
+            Background::Colour(linear) => Some(display.colour(linear)?),
         };
         let one = |pixel: &[f32; 4]| {
             let coverage = pixel[3].clamp(0.0, 1.0);
@@ -130,10 +135,4 @@ impl Picture {
 
 fn scaled(colour: Xyz, by: f64) -> Xyz {
     Xyz { x: by * colour.x, y: by * colour.y, z: by * colour.z }
-}
-
-/// A colour under the display's white, with the white of the picture in its place.
-fn under(white: Xyz, colour: Xyz) -> Xyz {
-    let own = RgbSpace::Srgb.white();
-    Xyz { x: colour.x * white.x / own.x, y: colour.y * white.y / own.y, z: colour.z * white.z / own.z }
 }

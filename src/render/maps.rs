@@ -69,13 +69,15 @@ pub struct Surface {
     height: usize,
     texels: Vec<Texel>,
     gaps: [f64; 2],
+    found: [f64; 2],
 }
 
 impl Surface {
     /// - `relief`: height of a displacement of 1, in sides of the square; `gap`: that where no map says another, nm.
     ///
     /// # Errors
-    /// [`RenderError::Mismatch`] for maps of different size, [`RenderError::OutOfRange`] for a relief that is not finite, or
+    /// [`RenderError::Mismatch`] for maps of different size, [`RenderError::NoWing`] for a mask that is 0 everywhere,
+    /// [`RenderError::OutOfRange`] for a relief that is not finite, or
     /// steeper than can be, and for a range of gaps that falls.
     pub fn new(maps: &Maps, relief: f64, gap: f64) -> Result<Self, RenderError> {
         let size = |raster: &Raster| (raster.width(), raster.height());
@@ -115,13 +117,25 @@ impl Surface {
                 *texel = [coverage, structural, slope_x, slope_y, along_x, along_y, red, green, blue, gap];
             }
         });
-        Ok(Self { width, height, texels, gaps })
+        if texels.iter().all(|texel| texel[0] <= 0.0) {
+            return Err(RenderError::NoWing);
+        }
+        let lit = texels.iter().filter(|texel| texel[1] > 0.0).map(|texel| f64::from(texel[9]));
+        let [low, high] = lit.fold([f64::INFINITY, 0.0], |[low, high], gap| [low.min(gap), high.max(gap)]);
+        let found = if low > high { gaps } else { [low, high].map(|gap| between(gaps, gap)) };
+        Ok(Self { width, height, texels, gaps, found })
     }
 
-    /// Least and largest gap of the range, nm.
+    /// First and last gap of the range, nm.
     #[must_use]
     pub fn gaps(&self) -> [f64; 2] {
         self.gaps
+    }
+
+    /// Least and largest gap of the pixels with structural colour, nm; the range where there is none.
+    #[must_use]
+    pub fn found_gaps(&self) -> [f64; 2] {
+        self.found
     }
 
     /// The point at x to the right and y upwards of the centre; none beyond the square, or where there is no wing.
@@ -149,9 +163,14 @@ impl Surface {
         let ridge = if length > f64::from(NO_DIRECTION) { [along_x / length, along_y / length] } else { [0.0, 1.0] };
         let upright = (slope_x * slope_x + slope_y * slope_y + 1.0).sqrt().recip();
         let normal = [-slope_x * upright, -slope_y * upright, upright];
-        let gap = self.gaps[0] + gap * (self.gaps[1] - self.gaps[0]);
+        let gap = between(self.gaps, gap);
         Some(Point { coverage, structural, normal, ridge, base: [red, green, blue], gap })
     }
+}
+
+#[inline]
+fn between([first, last]: [f64; 2], share: f64) -> f64 {
+    first + share * (last - first)
 }
 
 /// Slopes of a displacement by central differences, one-sided at the edge.

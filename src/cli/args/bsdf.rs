@@ -30,7 +30,8 @@ pub(crate) struct BsdfChoiceArgs {
     /// Root mean square error between the nodes, over directions and wavelengths with light, as a share of the largest value.
     #[arg(long, value_name = "SHARE", default_value_t = TOLERANCE, value_parser = values::positive)]
     pub(crate) tolerance: f64,
-    /// First and last wavelength, nm: Mitsuba samples 360 to 830, and holds the ends beyond them.
+    /// First and last wavelength of the spectral file, nm: Mitsuba samples 360 to 830, and holds the ends beyond them. The file of
+    /// colours is of 380 to 780 nm always.
     #[arg(long, value_name = "FIRST:LAST", default_value = "360:830", value_parser = ends)]
     pub(crate) wavelengths: [f64; 2],
     /// Polarization of the light, against the plane of incidence and view.
@@ -69,13 +70,15 @@ pub(crate) struct ImportBsdfArgs {
     /// Planes of incidence and view, degrees from that across the ridges [default: 0|90, or 0 where the material is isotropic].
     #[arg(long, value_name = "DEG", value_parser = angles, allow_hyphen_values = true)]
     pub(crate) omega: Option<Values>,
-    /// Angles of incidence, degrees from the normal (START:STOP:STEP for a range, | between single values).
+    /// Angles of incidence, degrees from the normal (START:STOP:STEP for a range, | between single values, as in "0|20|40", in
+    /// quotes in a shell).
     #[arg(long, value_name = "DEG", value_parser = angles, default_value = "0:60:15", allow_hyphen_values = true)]
     pub(crate) theta: Values,
     /// Viewing angles, degrees, the same way round as theta: the mirror direction is -theta.
     #[arg(long, value_name = "DEG", value_parser = angles, default_value = "-80:80:5", allow_hyphen_values = true)]
     pub(crate) phi: Values,
-    /// Wavelengths, nm: FIRST:LAST keeps those of the file in that range, FIRST:LAST:STEP is linear between them [default: all].
+    /// Wavelengths, nm: FIRST:LAST keeps those of the file in that range; FIRST:LAST:STEP and values with | between them, as in "450|550", are
+    /// linear between those of the file [default: all].
     #[arg(long, value_name = "FIRST:LAST[:STEP]", value_parser = wavelengths)]
     pub(crate) wavelengths: Option<WavelengthChoice>,
     /// Azimuth in the file of the direction across the ridges, degrees.

@@ -95,7 +95,7 @@ pub(crate) enum Command {
     Table(TableArgs),
     /// Draw pictures of a wing of this structure in the sun, as the paper's Fig. 15: view_10.png, view_10.exr and so on for each
     /// view, views.png, render.json; or a flip-book, turn.png.
-    #[command(args_override_self = true)]
+    #[command(args_override_self = true, mut_arg("model", |model| model.default_value("hybrid")))]
     Render(RenderArgs),
     /// Write the surface as `.bsdf` files in the layout of the RGL database, which Mitsuba 3 loads, with as many nodes as a tolerance
     /// needs and a certificate of what they keep: wing_spectral.bsdf, wing_rgb.bsdf, certificate.json, albedo.svg.

@@ -43,7 +43,7 @@ pub(crate) struct SceneArgs {
     /// Samples along each side of a pixel: 4 for 16 samples.
     #[arg(long, value_name = "COUNT", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub(crate) samples: u8,
-    /// Factor on the light: with 1 a white diffuser turned to the sun is white. `auto` is the largest at which 99 % of the
+    /// Factor on the light: with 1 a white diffuser turned to the sun is white. `auto` is that at which about 99 % of the
     /// pixels of wing, over all pictures, fit into the display; it is printed, and the same for all of them.
     #[arg(long, value_name = "auto|NUMBER", default_value = "auto", value_parser = exposure)]
     pub(crate) exposure: Exposure,
@@ -63,7 +63,7 @@ pub(crate) struct SceneArgs {
 
 #[derive(Debug, Args)]
 #[command(
-    next_help_heading = "Maps of the wing (PNG of 8 or 16 bits, all of one size; those that are not given are a butterfly's)"
+    next_help_heading = "Maps of the wing (PNG of 8 or 16 bits, all squares of one size; those that are not given are a butterfly's)"
 )]
 pub(crate) struct MapArgs {
     /// Displacement along the normal, grey.
@@ -85,22 +85,24 @@ pub(crate) struct MapArgs {
     /// Air gaps of black and white in --d-air-map, nm.
     #[arg(long, value_name = "LOW:HIGH", value_parser = gaps, requires = "d_air_map")]
     pub(crate) d_air_range: Option<[f64; 2]>,
-    /// Let the air gap vary over the wing by chance, with about this standard deviation, nm.
+    /// Let the air gap vary over the wing by chance, with this standard deviation, nm, and by 2.5 times that at most.
     #[arg(long, value_name = "NM", value_parser = values::not_negative, default_value = "0")]
     pub(crate) d_air_spread: f64,
     /// Height of white in the height map, as a part of the side of the square, -1 to 1.
     #[arg(long, value_name = "SHARE", value_parser = values::number, default_value = "0.04", allow_negative_numbers = true)]
     pub(crate) relief: f64,
-    /// Reflectance of the brown base below the scales where no --base-map is given, 0 to 1; it is not from the paper.
+    /// Reflectance of the brown base below the scales where no --base-map is given, 0 to 0.571; it is not from the paper.
     #[arg(long, value_name = "SHARE", value_parser = values::not_negative, default_value = "0.03")]
     pub(crate) base: f64,
     /// Maps that are not given are those of a plain square without relief, all wing, its ridges upright, instead of a
     /// butterfly's.
     #[arg(long, conflicts_with = "d_air_spread")]
     pub(crate) plain: bool,
-    /// Width and height of the butterfly's maps where no file is given, pixels.
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "1024x1024")]
-    pub(crate) map_size: (usize, usize),
+    /// Side of the butterfly's maps, pixels, where no map is given, 1 to 8192; about 80 bytes of memory for each pixel of
+    /// the map, 5 GB at most.
+    #[arg(long, value_name = "SIDE", value_parser = side, default_value = "1024",
+        conflicts_with_all = ["height_map", "angle_map", "mask", "base_map", "d_air_map"])]
+    pub(crate) map_size: usize,
     /// Write the maps too, as PNG of 16 bits: height.png, angle.png, mask.png, base.png, and d_air.png
     /// where the gap varies.
     #[arg(long)]
@@ -110,8 +112,9 @@ pub(crate) struct MapArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Flip-book")]
 pub(crate) struct TurnArgs {
-    /// Write an animated PNG, turn.png, in which the sun or the view swings, instead of one picture for each view. The sun
-    /// swings in its azimuth, seen from the first of --view.
+    /// Write an animated PNG, turn.png, in which the sun or the view swings, instead of one picture for each view. With
+    /// `light` the angle of the sun swings, not its azimuth, that of --light, and the first of --view stays; with `view` that of
+    /// the camera swings, and --light stays.
     #[arg(long, value_name = "WORD")]
     pub(crate) turn: Option<SwingWord>,
     /// How far it swings to either side, degrees.
@@ -179,6 +182,13 @@ fn size(text: &str) -> Result<(usize, usize), String> {
         return Err(format!("{width} × {height} are more than {MOST_PIXELS} pixels"));
     }
     Ok((width, height))
+}
+
+/// The side of a square, `1024` or `1024x1024`.
+fn side(text: &str) -> Result<usize, String> {
+    let (width, height) =
+        text.split_once(['x', '×']).map_or_else(|| size(&format!("{text}x{text}")), |_| size(text))?;
+    if width == height { Ok(width) } else { Err(format!("{width} × {height} is no square")) }
 }
 
 fn gaps(text: &str) -> Result<[f64; 2], String> {

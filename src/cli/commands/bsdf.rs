@@ -31,13 +31,15 @@ const SPECTRAL: &str = "wing_spectral.bsdf";
 const RGB: &str = "wing_rgb.bsdf";
 
 pub(crate) fn run(args: &BsdfArgs) -> Result<Outcome> {
-    let subject = Subject::read_with(&args.subject, ModelWord::Hybrid)?;
+    let mut subject = Subject::read_with(&args.subject, ModelWord::Hybrid)?;
+    let by_hybrid = subject.by_hybrid(false)?;
     let folder = Folder::open(&args.output.out.clone().unwrap_or_else(|| subject.folder.join("bsdf")))?;
     let work = || -> Result<Vec<String>> {
         let progress = Progress::new(args.output.quiet);
         let Tables { lines: told, mut files, albedo } = tables(&args.choice, &args.subject.model, &subject, &progress)
             .map_err(|error| smaller(error, "raise --tolerance or --max-bytes"))?;
-        let mut lines = vec![subject.values()];
+        let mut lines = by_hybrid.clone();
+        lines.push(subject.values());
         lines.extend(told);
         files.extend(chart_files(&drawn(vec![("albedo", albedo)])?));
         drop(progress);
@@ -58,7 +60,7 @@ pub(crate) fn run(args: &BsdfArgs) -> Result<Outcome> {
 pub(crate) type Files = Vec<(String, Vec<u8>)>;
 
 /// The model of the subject; none of the others is a distribution of reflectance in all directions.
-fn hybrid(model: &ModelArgs, subject: &Subject) -> Result<(HybridModel, Option<&'static str>), Usage> {
+fn hybrid(model: &ModelArgs, subject: &Subject) -> Result<HybridModel, Usage> {
     let averages = &model.averages;
     let averaged = averages.numerical_aperture.is_some()
         || averages.bandwidth.is_some()
@@ -69,14 +71,10 @@ fn hybrid(model: &ModelArgs, subject: &Subject) -> Result<(HybridModel, Option<&
             "a `.bsdf` file has one direction and one wavelength at a time: leave the averages of an instrument out";
         return Err(Usage(problem.to_owned()));
     }
-    let of_the_fit = subject.fit.as_ref().is_some_and(|fit| fit.settings.averages != Default::default());
     match subject.model.join() {
-        Join::Product { ridge_spacing } => {
-            let note = "the averages of the fit are left out: one direction and one wavelength at a time";
-            Ok((HybridModel { stack: subject.model.stack().clone(), ridge_spacing }, of_the_fit.then_some(note)))
-        }
+        Join::Product { ridge_spacing } => Ok(HybridModel { stack: subject.model.stack().clone(), ridge_spacing }),
         Join::Planes => Err(Usage(format!(
-            "model `{}` holds in single planes only; a `.bsdf` file needs --model hybrid, or a fit with it",
+            "model `{}` holds in single planes only; a `.bsdf` file needs hybrid: leave --model out",
             subject.model.name()
         ))),
     }
@@ -140,7 +138,7 @@ pub(crate) fn tables(
     subject: &Subject,
     progress: &Progress,
 ) -> Result<Tables> {
-    let (model, note) = hybrid(model, subject)?;
+    let model = hybrid(model, subject)?;
     let (structure, polarization, range) = (&subject.structure, choice.polarization.value(), choice.wavelengths);
     progress.tell("choosing the nodes");
     let needs = Needs { tolerance: choice.tolerance, most_bytes: choice.max_bytes, range, seed: choice.seed };
@@ -157,13 +155,14 @@ pub(crate) fn tables(
     let spectral = Measured::new(choice, &spectra, sized.size, &description, SPECTRAL)?;
     let albedo = figure(subject, &spectra, &spectral.table)?;
     progress.tell("filling and measuring the table of colours");
-    let grid = Wavelengths::new(range[0].max(COLOUR[0]), range[1].min(COLOUR[1]), COLOUR[2])
-        .context("no colours: --wavelengths leaves nothing that eyes see")
-        .map_err(|error| Usage(format!("{error:#}")))?;
-    let colours = Source::rgb(&model, structure, polarization, &grid)?;
+    // Whatever the range of the spectral file: eyes see all of it.
+    let [first, last, step] = COLOUR;
+    let grid = Wavelengths::new(first, last, step)?;
+    let needs = || format!("{RGB} needs wavelengths from {first} to {last} nm");
+    let colours = Source::rgb(&model, structure, polarization, &grid).with_context(needs)?;
     let rgb = Measured::new(choice, &colours, Size { channels: 3, ..sized.size }, &description, RGB)?;
     progress.tell("writing");
-    let mut lines: Vec<String> = note.map(str::to_owned).into_iter().collect();
+    let mut lines: Vec<String> = Vec::new();
     let mut files: Files = Vec::new();
     let mut abouts = Vec::new();
     for measured in [spectral, rgb] {

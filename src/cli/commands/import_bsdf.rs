@@ -33,6 +33,16 @@ pub(crate) fn run(args: &ImportBsdfArgs) -> Result<Outcome> {
         }
         Some(WavelengthChoice::At(asked)) => asked.clone(),
     };
+    if let (true, Some(WavelengthChoice::Within([low, high]))) = (wavelengths.is_empty(), &args.wavelengths)
+        && *low <= last
+        && *high >= first
+    {
+        let problem = format!(
+            "--wavelengths: no wavelength of {name} lies from {low} to {high} nm; {low}:{high}:STEP takes values between those \
+             that it has"
+        );
+        return Err(Usage(problem).into());
+    }
     let outside = wavelengths.iter().find(|wavelength| !(first..=last).contains(*wavelength));
     if wavelengths.is_empty() || outside.is_some() {
         return Err(Usage(format!("--wavelengths: {name} has {first} to {last} nm")).into());

@@ -1,9 +1,9 @@
 //! `morpho-fit render`: pictures of a wing in the sun.
 
-use crate::args::{Behind, Exposure, GridChoice, MapArgs, ModelWord, RenderArgs};
+use crate::args::{Behind, Exposure, GridChoice, MapArgs, ModelWord, RenderArgs, SwingWord};
 use crate::commands::mitsuba::Stage;
 use crate::commands::refuse_to_replace;
-use crate::exit::{Outcome, Usage};
+use crate::exit::{BadData, Outcome, Usage};
 use crate::output::{self, Folder, WIDTH};
 use crate::progress::Progress;
 use crate::subject::Subject;
@@ -11,8 +11,6 @@ use crate::viewing::viewing;
 use anyhow::{Context, Result};
 use morpho_fit::colorimetry::{GamutMapping, Integration};
 use morpho_fit::export::{Pixels, RenderSheet, animated_png, exr, png, png16, render_json};
-use morpho_fit::inversion::{FitSettings, ModelChoice};
-use morpho_fit::optics::{HybridModel, Join};
 use morpho_fit::render::{
     Background, ColourLookup, GapMap, Maps, Picture, Raster, RenderError, Scene, Seen, Surface, Wing, default_maps,
     exposure, plain_maps, trace, turned,
@@ -20,7 +18,7 @@ use morpho_fit::render::{
 use morpho_fit::report::terminal;
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::sweep::{Sampling, Viewing};
-use morpho_fit::units::radians;
+use morpho_fit::units::{degrees, radians};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -30,15 +28,16 @@ const FEW_SAMPLES: usize = 2;
 
 type Files = Vec<(String, Vec<u8>)>;
 
-pub(crate) fn run(mut args: RenderArgs) -> Result<Outcome> {
+pub(crate) fn run(args: RenderArgs) -> Result<Outcome> {
     if let Some(threads) = args.scene.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().context("the threads cannot be started")?;
     }
-    let (subject, told) = subject(&mut args)?;
+    different_views(&args.scene.view)?;
+    let (subject, told) = subject(&args)?;
     let folder = Folder::open(&args.output.out.clone().unwrap_or_else(|| subject.folder.join("wing")))?;
     let work = || -> Result<Vec<String>> {
-        let mut lines: Vec<String> = told.into_iter().collect();
+        let mut lines = told.clone();
         let progress = Progress::new(args.output.quiet);
         let files = rendered(&args, &subject, &mut lines, &progress)?;
         refuse_to_replace(&folder, &files, inputs(&args))?;
@@ -56,29 +55,27 @@ pub(crate) fn run(mut args: RenderArgs) -> Result<Outcome> {
 }
 
 /// What is drawn, as the hybrid model sees it: the others know directions in one plane only.
-fn subject(args: &mut RenderArgs) -> Result<(Subject, Option<String>)> {
-    if args.subject.fit.is_none() {
-        if args.subject.model.model == ModelWord::Paper {
-            let problem =
-                "--model paper knows directions in one plane only; pictures are drawn by hybrid: leave it out";
-            return Err(Usage(problem.to_owned()).into());
-        }
-        if args.subject.model.model == ModelWord::Blend {
-            args.subject.model.model = ModelWord::Hybrid;
-        }
-        return Ok((Subject::read(&args.subject)?, None));
+fn subject(args: &RenderArgs) -> Result<(Subject, Vec<String>)> {
+    let word = args.subject.model.model;
+    if args.subject.fit.is_none() && matches!(word, ModelWord::Blend | ModelWord::Paper) {
+        let name = if word == ModelWord::Blend { "blend" } else { "paper" };
+        let problem =
+            format!("--model {name} knows directions in one plane only; pictures are drawn by hybrid: leave it out");
+        return Err(Usage(problem).into());
     }
-    let mut subject = Subject::read(&args.subject)?;
-    let (Some(fit), Join::Planes) = (&subject.fit, subject.model.join()) else { return Ok((subject, None)) };
-    let model = ModelChoice::Hybrid { ridge_spacing: HybridModel::RIDGE_SPACING };
-    let settings = FitSettings { model, ..fit.settings.clone() };
-    let told = format!(
-        "drawn by the model hybrid with ridges {} nm apart: {}, of the fit, knows directions in one plane only",
-        HybridModel::RIDGE_SPACING,
-        subject.model.name()
-    );
-    subject.model = settings.forward().map_err(|problem| Usage(problem.to_string()))?;
-    Ok((subject, Some(told)))
+    let mut subject = Subject::read_with(&args.subject, ModelWord::Hybrid)?;
+    let told = subject.by_hybrid(true)?;
+    Ok((subject, told))
+}
+
+/// Each view has a file of its own.
+fn different_views(views: &[f64]) -> Result<(), Usage> {
+    #[allow(clippy::float_cmp, reason = "what was typed, the same or not")]
+    let twice = views.iter().enumerate().find(|(index, view)| views.iter().take(*index).any(|other| other == *view));
+    match twice {
+        Some((_, view)) => Err(Usage(format!("--view: {view} stands there twice; each view has one picture"))),
+        None => Ok(()),
+    }
 }
 
 fn inputs(args: &RenderArgs) -> Vec<PathBuf> {
@@ -139,7 +136,7 @@ fn rendered(args: &RenderArgs, subject: &Subject, lines: &mut Vec<String>, progr
         Exposure::Auto => {
             let small = ((size.0 / SMALLER).max(1), (size.1 / SMALLER).max(1));
             let small = |scene| studio.picture(scene, small, samples.min(FEW_SAMPLES));
-            let chosen = exposure(&scenes.iter().map(small).collect::<Result<Vec<Picture>, _>>()?)?;
+            let chosen = exposure(scenes.iter().map(small))?;
             // Four digits, which can be given back.
             format!("{chosen:.3e}").parse().unwrap_or(chosen)
         }
@@ -167,9 +164,8 @@ fn rendered(args: &RenderArgs, subject: &Subject, lines: &mut Vec<String>, progr
         samples,
         exposure: (factor, args.scene.exposure == Exposure::Auto),
         pictures: &pictures,
-        seconds: &watch.seconds,
     };
-    lines.extend(told(subject, &sheet));
+    lines.extend(told(args, subject, &sheet, &watch.seconds));
     if let (Some(stage), Some(scene)) = (stage, scenes.first()) {
         let (told, scene) = stage.files(args, subject, (scene, factor), progress)?;
         lines.extend(told);
@@ -225,9 +221,17 @@ fn maps(args: &RenderArgs, subject: &Subject) -> Result<(Maps, Vec<(&'static str
     let (base, gap) = (read(&given.base_map)?, read(&given.d_air_map)?);
     // What is not given has the size of what is.
     let first = [&height, &angle, &mask, &base, &gap].into_iter().flatten().next();
-    let size = first.map_or(given.map_size, |raster| (raster.width(), raster.height()));
+    let size = first.map_or((given.map_size, given.map_size), |raster| (raster.width(), raster.height()));
+    if size.0 != size.1 {
+        let problem =
+            format!("the maps are {} × {} pixels; they lie on a square and are as wide as high", size.0, size.1);
+        return Err(BadData(problem).into());
+    }
     let wing = Wing { size, base: given.base, gap: subject.structure.d_air, gap_spread: given.d_air_spread };
-    let (usual, word) = if given.plain { (plain_maps(&wing)?, "plain") } else { (default_maps(&wing)?, "butterfly") };
+    let all = [&height, &angle, &mask, &base].into_iter().all(Option::is_some) && given.d_air_spread <= 0.0;
+    // Where none is missing nothing is drawn.
+    let usual = if given.plain || all { plain_maps(&wing)? } else { default_maps(&wing)? };
+    let word = if given.plain { "plain" } else { "butterfly" };
     let origin = |path: &Option<PathBuf>| path.as_ref().map_or(word.to_owned(), |path| path.display().to_string());
     let mut origins = vec![
         ("height", origin(&given.height_map)),
@@ -346,7 +350,21 @@ impl Shots<'_> {
     }
 }
 
-fn told(subject: &Subject, sheet: &RenderSheet<'_>) -> Vec<String> {
+/// What swings, and what stays.
+fn swing(args: &RenderArgs, sheet: &RenderSheet<'_>) -> Option<String> {
+    let ((_, scene, _), reach) = (sheet.pictures.first()?, args.turn.reach);
+    let [view, sun, azimuth] = [scene.view, scene.sun, scene.azimuth].map(|angle| (degrees(angle) * 1e9).round() / 1e9);
+    Some(match args.turn.turn? {
+        SwingWord::Light => {
+            format!("the sun swings from {}° to {reach}° in the azimuth {azimuth}°, seen from {view}°", -reach)
+        }
+        SwingWord::View => {
+            format!("the view swings from {}° to {reach}°, the sun at {sun}° in the azimuth {azimuth}°", -reach)
+        }
+    })
+}
+
+fn told(args: &RenderArgs, subject: &Subject, sheet: &RenderSheet<'_>, seconds: &[(&str, f64)]) -> Vec<String> {
     let [gaps, v, u] = sheet.colours.nodes();
     let error = sheet.colours.error();
     let nodes = if gaps > 1 {
@@ -354,8 +372,9 @@ fn told(subject: &Subject, sheet: &RenderSheet<'_>) -> Vec<String> {
     } else {
         format!("{v} × {u} nodes (v, u_x)")
     };
-    let [least, largest] = sheet.surface.gaps();
+    let [least, largest] = sheet.surface.found_gaps();
     let mut lines = vec![subject.values()];
+    lines.extend(swing(args, sheet));
     if largest > least {
         lines.push(format!("d_air from {least:.1} to {largest:.1} nm over the wing"));
     }
@@ -367,15 +386,15 @@ fn told(subject: &Subject, sheet: &RenderSheet<'_>) -> Vec<String> {
         sheet.tolerance,
         error.mean
     ));
-    let how = if sheet.exposure.1 { "99 % of the wing fits into the display" } else { "as given" };
+    let how = if sheet.exposure.1 { "about 99 % of the wing fits into the display" } else { "as given" };
     lines.push(format!("exposure {}, the same for all pictures: {how}", sheet.exposure.0));
     let outside = sheet.pictures.iter().map(|(_, _, outside)| *outside).fold(0.0, f64::max);
     if outside > 0.0 {
         let share = 100.0 * outside;
         lines.push(format!("outside sRGB: up to {share:.0} % of the wing in one picture; {}", sheet.gamut));
     }
-    let total: f64 = sheet.seconds.iter().map(|(_, seconds)| seconds).sum();
-    let steps: Vec<String> = sheet.seconds.iter().map(|(step, seconds)| format!("{step} {seconds:.2}")).collect();
+    let total: f64 = seconds.iter().map(|(_, seconds)| seconds).sum();
+    let steps: Vec<String> = seconds.iter().map(|(step, seconds)| format!("{step} {seconds:.2}")).collect();
     let (width, height) = sheet.size;
     let pictures = match sheet.pictures.len() {
         1 => "1 picture".to_owned(),
