@@ -1,4 +1,5 @@
-//! A butterfly in the sun: `cargo run --release --example wing -- wing.png 30`, the second the angle of the view in degrees.
+//! A butterfly in the sun: `cargo run --release --example wing -- wing.png 30`, the second the angle of the view in degrees; without a
+//! file it prints what the picture would hold.
 
 use morpho_fit::colorimetry::{GamutMapping, Illuminant, Integration, Observer};
 use morpho_fit::export::{Pixels, png};
@@ -8,7 +9,7 @@ use morpho_fit::spectrum::Wavelengths;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let file = arguments.next().unwrap_or_else(|| "wing.png".to_owned());
+    let file = arguments.next();
     let view: f64 = arguments.next().map_or(Ok(10.0), |text| text.parse())?;
 
     let blue = Structure::blue();
@@ -25,6 +26,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let factor = exposure([Ok(picture.clone())])?;
     let (bytes, outside) = picture.bytes(factor, GamutMapping::default(), Background::Colour([1.0; 3]))?;
     println!("{:.1} % of the wing lie outside sRGB", 100.0 * outside);
-    std::fs::write(file, png(&Pixels { width: 1024, height: 768, bytes })?)?;
+    if let Some(file) = file {
+        std::fs::write(file, png(&Pixels { width: 1024, height: 768, bytes })?)?;
+    }
     Ok(())
 }
