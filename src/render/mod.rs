@@ -13,7 +13,7 @@
 //! the picture, [`Picture::bytes`] shows it on a display.
 //!
 //! Relief turns normals, and neither hides, shades nor shifts. A vertical sun shades nothing. Rays marched through the relief of
-//! the butterfly (`tests/render_relief.rs`) met, beside the flat square with its normals:
+//! the butterfly (`cargo run --release --example relief`) met, beside the flat square with its normals:
 //!
 //! | view | of the wing hidden | mean shift, sides | `ΔE₀₀` of blocks of 4 × 4 rays, mean and median |
 //! |---|---|---|---|

@@ -1,7 +1,7 @@
 //! Whether relief must hide and shift what the camera sees, or may turn normals alone: rays marched through the displaced
 //! butterfly, against the flat square with its normals.
 //!
-//! `cargo test --release --test render_relief -- --ignored --nocapture` prints the table that `render`'s page quotes.
+//! `cargo run --release --example relief` prints the table that `render`'s page quotes, in a minute.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -9,7 +9,7 @@
     reason = "pixels and single precision of small images"
 )]
 
-use morpho_fit::colorimetry::{Illuminant, Integration, Lab, Observer, Xyz};
+use morpho_fit::colorimetry::{ColourError, Illuminant, Integration, Lab, Observer, Xyz};
 use morpho_fit::optics::{HybridModel, Structure};
 use morpho_fit::render::{ColourLookup, Raster, Scene, Seen, Surface, Wing, default_maps};
 use morpho_fit::spectrum::Wavelengths;
@@ -93,16 +93,14 @@ impl Relief {
     }
 }
 
-#[test]
-#[ignore = "a study: a minute, prints a table"]
-fn what_relief_hides_and_shifts() {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let blue = Structure::blue();
-    let grid = Wavelengths::visible(10.0).unwrap();
-    let integration = Integration::new(&grid, Observer::Cie1931, &Illuminant::D65).unwrap();
+    let grid = Wavelengths::visible(10.0)?;
+    let integration = Integration::new(&grid, Observer::Cie1931, &Illuminant::D65)?;
     let seen = Seen { wavelengths: &grid, integration: &integration };
-    let colours = ColourLookup::new(&HybridModel::default(), &blue, [blue.d_air; 2], &seen, 0.5).unwrap();
-    let maps = default_maps(&Wing { size: (1024, 1024), base: 0.0, gap: blue.d_air, gap_spread: 0.0 }).unwrap();
-    let surface = Surface::new(&maps, Wing::RELIEF, blue.d_air).unwrap();
+    let colours = ColourLookup::new(&HybridModel::default(), &blue, [blue.d_air; 2], &seen, 0.5)?;
+    let maps = default_maps(&Wing { size: (1024, 1024), base: 0.0, gap: blue.d_air, gap_spread: 0.0 })?;
+    let surface = Surface::new(&maps, Wing::RELIEF, blue.d_air)?;
     let relief = Relief { height: maps.height, surface, colours, scale: Wing::RELIEF };
     println!("view/deg  hidden/%  mean shift/sides  dE00 of blocks: mean, median");
     for view in [10.0, 30.0, 50.0, 60.0] {
@@ -134,15 +132,16 @@ fn what_relief_hides_and_shifts() {
             .map(|(flat, displaced, _)| {
                 let lab = |sum: &[f64; 3]| {
                     let mean = sum.map(|value| 2.0 * value / f64::from(full));
-                    Lab::new(Xyz::from_array(mean), integration.white()).unwrap()
+                    Lab::new(Xyz::from_array(mean), integration.white())
                 };
-                lab(flat).difference(lab(displaced))
+                Ok(lab(flat)?.difference(lab(displaced)?))
             })
-            .collect();
+            .collect::<Result<_, ColourError>>()?;
         differences.sort_by(f64::total_cmp);
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
         let median = differences[differences.len() / 2];
         let share = 100.0 * hidden as f64 / f64::from(wing);
         println!("{view:8}  {share:8.3}  {:16.5}  {mean:.2} {median:.2}", shift / f64::from(wing));
     }
+    Ok(())
 }
