@@ -33,7 +33,7 @@ const GRID: usize = 13;
 /// Steps of Brent's method from there to the minimum.
 const STEPS: u64 = 40;
 /// Steps between two points of the profile when the intervals of the quantities are read off.
-const BETWEEN: usize = 24;
+const BETWEEN: usize = 400;
 /// First step of the profile as a share of the range.
 const FIRST: f64 = 0.02;
 /// Times that the minimum is looked for again, and how near the last it must be, and an end of the range to be
