@@ -103,8 +103,8 @@ fn options_are_told_by_what_is_lost_without_them() {
     let lost = |method: &str, angle: &str| diagram.point(method, angle).unwrap().y;
     assert_eq!(diagram.series.len(), 8);
     for angle in ["0°", "20°", "40°", "60°"] {
-        assert!(lost("plane waves, equal layers", angle) < 1e-9);
-        assert!(lost("dispersion of chitin", angle) > 0.0);
+        assert!(lost("plane waves, equal layers", angle) <= 0.01); // the least that is told
+        assert!(lost("dispersion of chitin", angle) > 0.01);
         assert!(lost("dispersion of chitin", angle) < lost("absorption k 0.06", angle));
     }
     assert!(lost("tilt spread 3°", "0°") < 0.1 * lost("tilt spread 3°", "60°"));
