@@ -113,7 +113,7 @@ fn planes_and_wavelengths_are_those_asked_for() {
     let mut fields = MeasuredFields::read(&fs::read(folder.path().join("here/wing_spectral.bsdf")).unwrap()).unwrap();
     let (keep, plane, channels) = (fields.theta_i.len(), fields.side * fields.side, fields.channels());
     fields.phi_i.truncate(1);
-    fields.vndf.values.truncate(4 * keep);
+    fields.vndf.values.truncate(fields.vndf.size.iter().product::<usize>() * keep);
     fields.luminance.truncate(keep * plane);
     fields.spectra.truncate(keep * plane * channels);
     fs::write(folder.path().join("round.bsdf"), fields.into_bytes().unwrap()).unwrap();

@@ -1,10 +1,10 @@
 //! What a table keeps of its model: reciprocity, energy and values, in numbers.
 
-use super::directions::{direction, mirrored, unsquare};
+use super::directions::mirrored;
 use super::sizing::{Mean, Pair, anywhere};
 use super::source::Scratch;
 use super::surface::albedos;
-use super::tabulate::{DARK, share};
+use super::tabulate::{DARK, incidence};
 use super::{BsdfError, MeasuredBsdf, Source, Surface};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -104,17 +104,14 @@ pub fn certify(
 /// The largest difference of a node from the model with source and view exchanged.
 fn at_nodes(source: &Source<'_>, table: &MeasuredBsdf) -> Result<f64, BsdfError> {
     let fields = table.fields();
-    let (side, channels, plane) = (fields.side, fields.channels(), fields.side * fields.side);
+    let (channels, plane) = (fields.channels(), fields.side * fields.side);
     let slices = fields.spectra.par_chunks(channels * plane).enumerate();
     let worst = slices.map(|(slice, spectra)| {
-        let node = |axis: &[f32], index: usize| axis.get(index).copied().map_or(0.0, f64::from);
-        let angles = fields.theta_i.len();
-        let incoming = direction(node(&fields.theta_i, slice % angles), node(&fields.phi_i, slice / angles));
+        let incoming = incidence(&[&fields.phi_i, &fields.theta_i], slice);
         let (mut scratch, mut values) = (Scratch::default(), vec![0.0; channels]);
         let mut worst = 0.0_f64;
         for index in 0..plane {
-            let [theta, phi] = unsquare([share(index % side, side), share(index / side, side)]);
-            let Some(outgoing) = mirrored(incoming, direction(theta, phi)) else { continue };
+            let Some(outgoing) = mirrored(incoming, table.half_vector(slice, index)) else { continue };
             source.fill(outgoing, incoming, &mut scratch, &mut values)?;
             for (channel, value) in values.iter().enumerate() {
                 let found = spectra.get(channel * plane + index).copied().map_or(0.0, f64::from);

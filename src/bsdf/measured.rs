@@ -10,7 +10,8 @@
 //! # Source
 //! Dupuy, Jakob 2018, DOI 10.1145/3272127.3275059; `measured.cpp` of Mitsuba 3, whose values these are, in double precision.
 
-use super::directions::{angles, half, is_unit, square};
+use super::directions::{angles, direction, half, is_unit, square, unsquare};
+use super::tabulate::share;
 use super::tensor::{Tensor, TensorData, TensorFile};
 use super::warp::{Between, Warp, bilinear, slices};
 use super::{BsdfError, fields};
@@ -213,6 +214,17 @@ impl MeasuredBsdf {
         let Some(place) = self.place(incoming, outgoing)? else { return Ok(0.0) };
         let between = Between::of(wavelengths, wavelength).both();
         Ok(between.into_iter().map(|(channel, share)| share * self.value(&place, channel)).sum())
+    }
+
+    /// The half vector of a node, a unit vector; in an isotropic file its azimuth is that from the incident light.
+    ///
+    /// - `slice`: number of the incidence, angles within azimuths; `index`: number of the node in the square plane of one channel.
+    #[must_use]
+    pub fn half_vector(&self, slice: usize, index: usize) -> [f64; 3] {
+        let side = self.fields.side;
+        let (place, _) = self.warp.forward([share(index % side, side), share(index / side, side)], slice);
+        let [theta, phi] = unsquare(place);
+        direction(theta, phi)
     }
 
     fn place(&self, incoming: [f64; 3], outgoing: [f64; 3]) -> Result<Option<Place>, BsdfError> {

@@ -5,11 +5,12 @@
 //! - [`tabulate`]: the [`hybrid`](crate::optics::hybrid) model as such a material, with as many nodes as a tolerance needs ([`size`]).
 //! - [`certify`]: what the table keeps of the model: reciprocity, energy, values.
 //!
-//! The model is written with densities of facets that are 1 everywhere, so that the warp of the format maps the unit square to itself and the
-//! spectra are `f cos(theta_o)` on a regular grid of half vectors; nothing but the format's own interpolation stands between.
+//! The model is written with a density of facets that is even where it has light and 0 elsewhere, so that the warp of the format lays the
+//! nodes of `f cos(theta_o)` over the lobe from edge to edge; the other factors of the format are 1.
 //! No file is opened here: bytes come in, bytes go out.
 
 mod certificate;
+mod density;
 mod directions;
 mod error;
 mod fields;

@@ -3,14 +3,18 @@
 //! What a table would say between its nodes can be computed from the nodes about that place, without the rest of it. So sizes are tried at
 //! random directions with light: from a small one on, always that axis is made finer which lowers the error most for its bytes.
 
+use super::density::{NODES, densities};
 use super::directions::{angles, direction, half, mirrored, square, unsquare};
+use super::measured::Plane;
 use super::source::Scratch;
-use super::tabulate::{DARK, axes, share, single};
-use super::warp::Between;
+use super::tabulate::{DARK, axes, incidence, share, single};
+use super::warp::{Between, Warp, slices};
 use super::{BsdfError, Source};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
 /// Numbers of nodes that are tried; azimuths are odd, so that 0 is one of them.
@@ -62,10 +66,12 @@ impl Size {
             .fold(1, |all, one| all.saturating_mul(one as u64))
     }
 
-    /// Bytes of the values, without the head of the file: `4 n_phi n_theta side² (channels + 1)`.
+    /// Bytes of the values, without the head of the file: `4 n_phi n_theta (side² (channels + 1) + 65 · 64)`.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.nodes().saturating_mul(4).saturating_mul(self.channels as u64 + 1)
+        let densities = (self.azimuths as u64).saturating_mul(self.angles as u64);
+        let densities = densities.saturating_mul((NODES[0] * NODES[1]) as u64);
+        self.nodes().saturating_mul(self.channels as u64 + 1).saturating_add(densities).saturating_mul(4)
     }
 
     pub(super) fn check(&self) -> Result<(), BsdfError> {
@@ -130,7 +136,9 @@ pub fn size(source: &Source<'_>, needs: &Needs) -> Result<Sized, BsdfError> {
     }
     let seen = source.at(&nodes(SEEN))?;
     let exact = spectra(&seen, &probes)?;
-    let judged = |at: [usize; 4]| -> Result<Option<Step>, BsdfError> {
+    // Sizes with the same incidences have the same densities.
+    let mut laid: BTreeMap<[usize; 2], Slices> = BTreeMap::new();
+    let mut judged = |at: [usize; 4]| -> Result<Option<Step>, BsdfError> {
         let counts = [AZIMUTHS.get(at[0]), ANGLES.get(at[1]), SIDES.get(at[2]), WAVELENGTHS.get(at[3])];
         let [Some(&azimuths), Some(&angles), Some(&side), Some(&channels)] = counts else { return Ok(None) };
         let size = Size { azimuths, angles, side, channels };
@@ -138,7 +146,11 @@ pub fn size(source: &Source<'_>, needs: &Needs) -> Result<Sized, BsdfError> {
             return Ok(None);
         }
         let of_wavelengths = of_wavelengths.get(at[3]).copied().unwrap_or(0.0);
-        let square = of_directions(&seen, &size, &probes, &exact)? / (peak * peak) + of_wavelengths;
+        let slices = match laid.entry([azimuths, angles]) {
+            Entry::Occupied(laid) => laid.into_mut(),
+            Entry::Vacant(place) => place.insert(Slices::new(&seen, &size)?),
+        };
+        let square = of_directions(&seen, slices, side, &probes, &exact)? / (peak * peak) + of_wavelengths;
         Ok(Some(Step { at, size, square }))
     };
     let too_large = |bytes: u64, square: f64| {
@@ -236,13 +248,18 @@ fn linear_between(
 }
 
 /// Mean square error of a table of this size, held against the exact values.
-fn of_directions(source: &Source<'_>, size: &Size, probes: &[Pair], exact: &[Vec<f64>]) -> Result<f64, BsdfError> {
-    let axes = axes(size);
+fn of_directions(
+    source: &Source<'_>,
+    slices: &Slices,
+    side: usize,
+    probes: &[Pair],
+    exact: &[Vec<f64>],
+) -> Result<f64, BsdfError> {
     let one = |scratch: &mut (Scratch, Vec<f64>), (probe, exact): (&Pair, &Vec<f64>)| {
         let (scratch, corner) = scratch;
         corner.resize(exact.len(), 0.0);
         let mut values = vec![0.0; exact.len()];
-        for (incoming, outgoing, weight) in corners(size, &axes, *probe) {
+        for (incoming, outgoing, weight) in slices.corners(side, *probe) {
             source.fill(incoming, outgoing, scratch, corner)?;
             values.iter_mut().zip(&*corner).for_each(|(value, corner)| *value += weight * corner);
         }
@@ -255,30 +272,42 @@ fn of_directions(source: &Source<'_>, size: &Size, probes: &[Pair], exact: &[Vec
     Ok(sums?.into_iter().fold(Mean::default(), Mean::with).square())
 }
 
-/// The directions of the nodes about a place in the table, each with its share; those below the horizon, which are dark, are left out.
-fn corners(
-    size: &Size,
-    [phi_i, theta_i]: &[Vec<f32>; 2],
-    [incoming, outgoing]: Pair,
-) -> Vec<([f64; 3], [f64; 3], f64)> {
-    let Some(normal) = half(incoming, outgoing) else { return Vec::new() };
-    let ([theta, phi], [theta_m, phi_m]) = (angles(incoming), angles(normal));
-    let [x, y] = square(theta_m, phi_m).map(|place| Between::regular(size.side, place));
-    let mut found = Vec::with_capacity(16);
-    for (azimuth, of_azimuth) in Between::of(phi_i, phi).both() {
-        for (angle, of_angle) in Between::of(theta_i, theta).both() {
-            let node = |axis: &[f32], index: usize| axis.get(index).copied().map_or(0.0, f64::from);
-            let incoming = direction(node(theta_i, angle), node(phi_i, azimuth));
+/// The incidences of a table, and how its nodes are laid.
+struct Slices {
+    phi_i: Vec<f32>,
+    theta_i: Vec<f32>,
+    warp: Warp,
+}
+
+impl Slices {
+    fn new(source: &Source<'_>, size: &Size) -> Result<Self, BsdfError> {
+        let [phi_i, theta_i] = axes(size);
+        let incoming = |slice| incidence(&[&phi_i, &theta_i], slice);
+        let Plane { size, values } = densities(source, size.azimuths * size.angles, incoming)?;
+        Ok(Self { warp: Warp::new(&values, size), phi_i, theta_i })
+    }
+
+    /// The directions of the nodes about a place in the table, each with its share; those below the horizon, which are dark, are left out.
+    fn corners(&self, side: usize, [incoming, outgoing]: Pair) -> Vec<([f64; 3], [f64; 3], f64)> {
+        let Some(normal) = half(incoming, outgoing) else { return Vec::new() };
+        let ([theta, phi], [theta_m, phi_m]) = (angles(incoming), angles(normal));
+        let (azimuth, angle) = (Between::of(&self.phi_i, phi), Between::of(&self.theta_i, theta));
+        let slices = slices(azimuth, angle, self.theta_i.len());
+        let [x, y] = self.warp.inverse(square(theta_m, phi_m), &slices).map(|place| Between::regular(side, place));
+        let mut found = Vec::with_capacity(16);
+        for (slice, of_slice) in slices {
+            let incoming = incidence(&[&self.phi_i, &self.theta_i], slice);
             for (row, of_row) in y.both() {
                 for (column, of_column) in x.both() {
-                    let [theta_m, phi_m] = unsquare([share(column, size.side), share(row, size.side)]);
+                    let (place, _) = self.warp.forward([share(column, side), share(row, side)], slice);
+                    let [theta_m, phi_m] = unsquare(place);
                     let Some(outgoing) = mirrored(incoming, direction(theta_m, phi_m)) else { continue };
-                    found.push((incoming, outgoing, of_azimuth * of_angle * of_row * of_column));
+                    found.push((incoming, outgoing, of_slice * of_row * of_column));
                 }
             }
         }
+        found
     }
-    found
 }
 
 /// A mean square, and the largest.

@@ -4,7 +4,7 @@ use super::BsdfError;
 use super::directions::is_unit;
 use crate::colorimetry::{Illuminant, Integration, Observer, RgbSpace, RgbTransform};
 use crate::geometry::Polarization;
-use crate::optics::hybrid::HybridNode;
+use crate::optics::hybrid::{self, HybridNode, Shape};
 use crate::optics::multilayer::{Period, SAndP};
 use crate::optics::{HybridModel, Media, ReflectivityModel, Structure};
 use crate::spectrum::Wavelengths;
@@ -131,6 +131,12 @@ impl<'a> Source<'a> {
         self.fill(incoming, outgoing, &mut Scratch::default(), out)
     }
 
+    /// Whether there is light in a direction, which does not depend on the wavelength but for zeros of the slit.
+    pub(super) fn lights(&self, incoming: [f64; 3], outgoing: [f64; 3]) -> bool {
+        let shape = || Shape::of(&self.structure, self.model.ridge_spacing).at(&hybrid::Pair::new(incoming, outgoing));
+        incoming[2] > 0.0 && outgoing[2] > 0.0 && shape() > 0.0
+    }
+
     /// [`Source::evaluate`] of checked input.
     pub(super) fn fill(
         &self,
@@ -140,16 +146,11 @@ impl<'a> Source<'a> {
         out: &mut [f64],
     ) -> Result<(), BsdfError> {
         out.fill(0.0);
-        if incoming[2] <= 0.0 || outgoing[2] <= 0.0 {
+        if !self.lights(incoming, outgoing) {
             return Ok(());
         }
         let node = HybridNode::new(incoming, outgoing, 1.0);
         let (structure, spacing) = (&self.structure, self.model.ridge_spacing);
-        // Whether there is light at all does not depend on the wavelength but for zeros of the slit.
-        let shortest = self.ambient.iter().copied().fold(f64::INFINITY, f64::min);
-        if node.at_wavelength(shortest * 1e6).spread(structure, spacing) <= 0.0 {
-            return Ok(());
-        }
         let Scratch { stack, spectrum } = scratch;
         stack.resize(self.wavenumbers.len(), SAndP { s: 0.0, p: 0.0 });
         let period = Period::of(structure);

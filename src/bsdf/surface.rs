@@ -48,6 +48,16 @@ pub trait Surface: Sync {
     /// [`BsdfError`] where there is no value.
     fn values(&self, incoming: [f64; 3], outgoing: [f64; 3], out: &mut [f64]) -> Result<(), BsdfError>;
 
+    /// Whether there is light in any channel.
+    ///
+    /// # Errors
+    /// As [`Surface::values`].
+    fn lit(&self, incoming: [f64; 3], outgoing: [f64; 3]) -> Result<bool, BsdfError> {
+        let mut values = vec![0.0; self.channels()];
+        self.values(incoming, outgoing, &mut values)?;
+        Ok(values.iter().any(|value| *value > 0.0))
+    }
+
     /// Share of the light from `(theta, phi)`, rad, that leaves again, in each channel, summed over at least `points` half vectors along
     /// each side of their square.
     ///
@@ -95,6 +105,10 @@ impl Surface for Source<'_> {
 
     fn values(&self, incoming: [f64; 3], outgoing: [f64; 3], out: &mut [f64]) -> Result<(), BsdfError> {
         self.evaluate(incoming, outgoing, out)
+    }
+
+    fn lit(&self, incoming: [f64; 3], outgoing: [f64; 3]) -> Result<bool, BsdfError> {
+        Ok(self.lights(incoming, outgoing))
     }
 }
 

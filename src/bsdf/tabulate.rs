@@ -1,11 +1,14 @@
 //! A surface as the fields of a measured material.
 //!
-//! `ndf` is 4, `sigma` 1 and `vndf` 1 everywhere: the factor `ndf / (4 sigma)` is 1, the warp is the identity, and `spectra` holds
-//! `f cos(theta_o)` at the nodes. `luminance`, by which renderers sample, is its mean over the channels times the solid angle of a node.
+//! `ndf` is 4 and `sigma` 1 everywhere: the factor `ndf / (4 sigma)` is 1, and `spectra` holds `f cos(theta_o)` at the nodes. Their half vectors
+//! are where the warp of `vndf` lays them: evenly where there is light ([`density`](super::density)). `luminance`, by which renderers sample, is
+//! the mean over the channels times the solid angle of a node.
 
+use super::density::densities;
 use super::directions::{direction, dot, jacobian, mirrored, unsquare};
 use super::measured::{MeasuredFields, Plane};
 use super::sizing::Size;
+use super::warp::Warp;
 use super::{BsdfError, Surface};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -18,6 +21,8 @@ const TOWARDS_HORIZON: f64 = 1.5;
 /// Least weight for sampling, as a share of the mean of its plane: with less, rare paths would be bright dots in a picture; with more,
 /// paths would be spent on the dark.
 const FLOOR: f64 = 0.01;
+/// Least density of half vectors in a weight: where the density ends the light does, but for the width of its cells.
+const SPARSE: f64 = 0.01;
 /// Largest value of a surface that reflects nothing, 1/sr: what rounding leaves of layers of one index.
 pub(super) const DARK: f64 = 1e-12;
 
@@ -42,6 +47,12 @@ pub(super) fn axes(size: &Size) -> [Vec<f32>; 2] {
         single(LAST_ANGLE * FRAC_PI_2 * (1.0 - from_horizon))
     };
     [(0..size.azimuths).map(azimuth).collect(), (0..size.angles).map(angle).collect()]
+}
+
+/// The direction of the light in a slice.
+pub(super) fn incidence([phi_i, theta_i]: &[&[f32]; 2], slice: usize) -> [f64; 3] {
+    let node = |axis: &[f32], index: usize| axis.get(index).copied().map_or(0.0, f64::from);
+    direction(node(theta_i, slice % theta_i.len()), node(phi_i, slice / theta_i.len()))
 }
 
 /// Place of node `index` of `count` from 0 to 1.
@@ -73,6 +84,9 @@ pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result
     let (side, channels) = (size.side, size.channels);
     let plane = side * side;
     let slices = phi_i.len() * theta_i.len();
+    let incoming = |slice| incidence(&[&phi_i, &theta_i], slice);
+    let vndf = densities(surface, slices, incoming)?;
+    let warp = Warp::new(&vndf.values, vndf.size);
     let mut spectra = vec![0.0; slices * channels * plane];
     let mut luminance = vec![0.0; slices * plane];
     let found = spectra
@@ -80,20 +94,19 @@ pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result
         .zip(luminance.par_chunks_mut(plane))
         .enumerate()
         .map(|(slice, (spectra, luminance))| {
-            let node = |axis: &[f32], index: usize| axis.get(index).copied().map_or(0.0, f64::from);
-            let (azimuth, angle) = (slice / theta_i.len(), slice % theta_i.len());
-            let incoming = direction(node(&theta_i, angle), node(&phi_i, azimuth));
+            let incoming = incoming(slice);
             let mut found = Found::default();
             let mut values = vec![0.0; channels];
             for (index, weight) in luminance.iter_mut().enumerate() {
-                let place = [share(index % side, side), share(index / side, side)];
+                let (place, density) = warp.forward([share(index % side, side), share(index / side, side)], slice);
                 let [theta, phi] = unsquare(place);
                 let normal = direction(theta, phi);
                 let Some(outgoing) = mirrored(incoming, normal) else { continue };
                 surface.values(incoming, outgoing, &mut values)?;
                 found.add(&mut values);
                 let mean = values.iter().sum::<f64>() / share_count(channels);
-                *weight = single(mean * jacobian(place[0], theta, dot(incoming, normal)));
+                let solid_angle = jacobian(place[0], theta, dot(incoming, normal)) / density.max(SPARSE);
+                *weight = single(mean * solid_angle);
                 for (channel, value) in values.iter().enumerate() {
                     if let Some(out) = spectra.get_mut(channel * plane + index) {
                         *out = single(*value);
@@ -116,7 +129,7 @@ pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result
         wavelengths: surface.wavelengths().map(|wavelengths| wavelengths.into_iter().map(single).collect()),
         ndf: everywhere(4.0),
         sigma: everywhere(1.0),
-        vndf: Plane { size: [2, 2], values: vec![1.0; 4 * slices] },
+        vndf,
         luminance,
         side,
         spectra,

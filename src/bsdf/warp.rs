@@ -1,7 +1,7 @@
 //! Values on a regular grid of the unit square that depend on further parameters, and the mapping that flattens them.
 //!
 //! A grid is bilinear within its cells and linear in its parameters, which are held beyond their ends. Where the values are a density,
-//! [`Warp`] is the inverse of the mapping that makes it from a flat one: first y by the marginal density, then x by the conditional one.
+//! [`Warp`] is the mapping that makes it from a flat one: first y by the marginal density, then x by the conditional one.
 //!
 //! # Source
 //! Dupuy, Jakob 2018, *An adaptive parameterization for efficient material acquisition and rendering*, DOI 10.1145/3272127.3275059; the
@@ -88,7 +88,7 @@ pub(super) fn bilinear(values: &[f32], [height, width]: [usize; 2], [x, y]: [f64
     )
 }
 
-/// The inverse of the mapping from a flat density to that of the values.
+/// The mapping from a flat density to that of the values, and its inverse.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Warp {
     height: usize,
@@ -170,8 +170,55 @@ impl Warp {
         // Where there is no density every x is as good.
         [if whole > 0.0 { along / whole } else { 0.0 }, upwards]
     }
+
+    /// Where the place `(x, y)` of the flat density comes to lie in one slice, and the density there.
+    pub(super) fn forward(&self, [x, y]: [f64; 2], slice: usize) -> ([f64; 2], f64) {
+        let at = |values: &[f32], index: usize| values.get(index).copied().map_or(0.0, f64::from);
+        let cells = [self.width - 1, self.height - 1];
+        let up_to = |row: usize, column: usize| match column {
+            0 => 0.0,
+            column => at(&self.conditional, (slice * self.height + row) * cells[0] + column - 1),
+        };
+        let below = |row: usize| if row == 0 { 0.0 } else { at(&self.marginal, slice * cells[1] + row - 1) };
+        let rows = Cell::of(y * below(cells[1]), cells[1], below, |row| up_to(row, cells[0]));
+        let across = |of: &dyn Fn(usize) -> f64| lerp(of(rows.index), of(rows.index + 1), rows.share);
+        let up_to = |column: usize| across(&|row| up_to(row, column));
+        let value = |column: usize| across(&|row| at(&self.values, (slice * self.height + row) * self.width + column));
+        let columns = Cell::of(x * up_to(cells[0]), cells[0], up_to, value);
+        let density = lerp(value(columns.index), value(columns.index + 1), columns.share);
+        ([columns.place(cells[0]), rows.place(cells[1])], density)
+    }
 }
 
+/// Where an integral of a density that is linear in cells reaches a value.
+struct Cell {
+    index: usize,
+    share: f64,
+}
+
+impl Cell {
+    /// - `target`: the value; `up_to(node)`: the integral from the first node to this one; `density(node)`.
+    fn of(target: f64, cells: usize, up_to: impl Fn(usize) -> f64, density: impl Fn(usize) -> f64) -> Self {
+        // The first cell whose upper end reaches the target; so a target of 0 stays at the first node.
+        let (mut low, mut high) = (0, cells - 1);
+        while low < high {
+            let middle = low.midpoint(high);
+            if up_to(middle + 1) < target { low = middle + 1 } else { high = middle }
+        }
+        let (left, right) = (density(low), density(low + 1));
+        #[allow(clippy::cast_precision_loss, reason = "grids have fewer than 2^53 nodes")]
+        let rest = (target - up_to(low)).max(0.0) * cells as f64;
+        // left t + (right - left) t^2 / 2 = rest, in the form that has no difference of near numbers.
+        let root = (left * left + 2.0 * (right - left) * rest).max(0.0).sqrt();
+        let share = if left + root > 0.0 { (2.0 * rest / (left + root)).clamp(0.0, 1.0) } else { 0.0 };
+        Self { index: low, share }
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "grids have fewer than 2^53 nodes")]
+    fn place(&self, cells: usize) -> f64 {
+        (self.index as f64 + self.share) / cells as f64
+    }
+}
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,10 +246,36 @@ mod tests {
         }
     }
 
+    /// Where the inverse finds a place, the mapping came from: of a density with a dark corner, in the second of two slices.
+    #[test]
+    fn the_mapping_is_undone_by_its_inverse() {
+        let second = [1.0, 2.0, 0.0, 0.0, 0.5, 3.0, 1.0, 0.0, 0.0, 1.0, 4.0, 1.0_f32];
+        let values = [[1.0; 12], second].concat();
+        let warp = Warp::new(&values, [3, 4]);
+        let alone = [(1, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
+        for place in [[0.1, 0.2], [0.9, 0.1], [0.5, 0.5], [0.3, 0.99], [0.75, 0.6], [1.0, 0.7], [0.0, 0.4]] {
+            let (there, density) = warp.forward(place, 1);
+            let back = warp.inverse(there, &alone);
+            assert!(back.iter().zip(place).all(|(back, place)| (back - place).abs() < 1e-6), "{place:?} {back:?}");
+            // The density of the mapping, by areas: 1 over how much a small square grows.
+            let step = 1e-4;
+            if place.iter().all(|place| (0.05..0.95).contains(place)) {
+                let [right, up] =
+                    [[step, 0.0], [0.0, step]].map(|[x, y]| warp.forward([place[0] + x, place[1] + y], 1).0);
+                let area = (right[0] - there[0]) * (up[1] - there[1]) - (right[1] - there[1]) * (up[0] - there[0]);
+                assert!((step * step / area / density - 1.0).abs() < 2e-3, "{place:?}: {density}");
+            }
+        }
+        // Behind the end of the light there is no place to come from.
+        assert!(warp.forward([1.0, 0.0], 1).0[0] < 0.7);
+    }
+
     #[test]
     fn a_density_of_nothing_is_no_division_by_zero() {
-        let found = Warp::new(&[0.0; 4], [2, 2]).inverse([0.5, 0.5], &ALONE);
-        assert!(found.iter().all(|place| place.is_finite()));
+        let warp = Warp::new(&[0.0; 4], [2, 2]);
+        let (place, density) = warp.forward([0.5, 0.5], 0);
+        let found = warp.inverse([0.5, 0.5], &ALONE).into_iter().chain(place).chain([density]);
+        assert!(found.into_iter().all(f64::is_finite));
     }
 
     #[test]
