@@ -11,7 +11,7 @@ use super::{BsdfError, Surface};
 use rayon::prelude::*;
 
 /// Rows and columns of the density of a slice. It has one channel: many of them are cheap.
-pub(super) const NODES: [usize; 2] = [65, 64];
+pub(super) const NODES: [usize; 2] = [25, 64];
 /// Halvings of a cell in which the light ends.
 const HALVINGS: usize = 12;
 /// Least integral of a row, as a share of the largest: dark rows keep their place.

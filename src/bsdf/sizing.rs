@@ -66,7 +66,7 @@ impl Size {
             .fold(1, |all, one| all.saturating_mul(one as u64))
     }
 
-    /// Bytes of the values, without the head of the file: `4 n_phi n_theta (side² (channels + 1) + 65 · 64)`.
+    /// Bytes of the values, without the head of the file: `4 n_phi n_theta (side² (channels + 1) + 25 · 64)`.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let densities = (self.azimuths as u64).saturating_mul(self.angles as u64);
