@@ -1,9 +1,9 @@
-//! The readings of a plan in runs along which a node stands still or goes on by one, for arithmetic in vector registers.
+//! The readings of a plan in runs along which a node stands still or goes on by one, for arithmetic in vector registers (`kernels`).
 
-#![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
+pub(crate) use kernels::residuals;
 
 use crate::inversion::plan::{PlannedReading, TermsView};
-use multiversion::multiversion;
+use kernels::{add_both, add_lamella, add_scaled, along_both, along_the_lobe, along_the_stack};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -24,15 +24,35 @@ enum Nodes {
 }
 
 impl Nodes {
-    /// `values` at the nodes of `length` readings.
-    fn along<'a>(&self, values: &'a [f64], length: usize, scratch: &'a mut Vec<f64>) -> &'a [f64] {
-        scratch.clear();
+    /// The values of each of several quantities, where all readings have the same.
+    fn one<const N: usize>(&self, of: [&[f64]; N]) -> Option<[f64; N]> {
         match self {
-            Self::From(first) => return &values[*first..first + length],
-            Self::Same(node) => scratch.resize(length, values[*node]),
-            Self::Each(nodes) => scratch.extend(nodes.iter().map(|&node| values[node])),
+            Self::Same(node) => Some(of.map(|values| values[*node])),
+            Self::From(_) | Self::Each(_) => None,
         }
-        scratch
+    }
+
+    /// The values of each of several quantities at the nodes of `length` readings.
+    fn all<'a, const N: usize>(
+        &self,
+        of: [&'a [f64]; N],
+        length: usize,
+        scratch: &'a mut [Vec<f64>; N],
+    ) -> [&'a [f64]; N] {
+        let mut scratch = scratch.iter_mut();
+        of.map(|values| {
+            if let Self::From(first) = self {
+                return &values[*first..first + length];
+            }
+            let Some(scratch) = scratch.next() else { return &[] };
+            scratch.clear();
+            match self {
+                Self::Same(node) => scratch.resize(length, values[*node]),
+                Self::From(_) => {}
+                Self::Each(nodes) => scratch.extend(nodes.iter().map(|&node| values[node])),
+            }
+            scratch
+        })
     }
 }
 
@@ -178,20 +198,18 @@ impl Rows {
 
     pub(crate) fn parts(&self, terms: TermsView<'_>, weights: &[f64]) -> WeightedParts {
         let mut parts = WeightedParts { lamella: vec![0.0; weights.len()], multilayer: vec![0.0; weights.len()] };
-        let (mut one, mut two) = (Vec::new(), Vec::new());
+        let mut scratch: [[Vec<f64>; 1]; 2] = Default::default();
         for run in &self.runs {
-            let (rows, length) = (run.rows.clone(), run.rows.len());
+            let rows = run.rows.clone();
             if run.share_a > 0.0 {
-                let interference = run.lamella.along(terms.interference, length, &mut one);
-                let diffraction = run.lamella.along(terms.diffraction, length, &mut two);
+                let factors = [(&run.lamella, terms.interference), (&run.lamella, terms.diffraction)];
                 let out = &mut parts.lamella[rows.clone()];
-                add_product(out, &weights[rows.clone()], run.share_a, interference, diffraction);
+                add_product(out, &weights[rows.clone()], run.share_a, factors, &mut scratch);
             }
             if run.share_b > 0.0 {
-                let stack = run.stack.along(terms.stack, length, &mut one);
-                let lobe = run.lobe.along(terms.lobe, length, &mut two);
+                let factors = [(&run.stack, terms.stack), (&run.lobe, terms.lobe)];
                 let out = &mut parts.multilayer[rows.clone()];
-                add_product(out, &weights[rows], run.share_b, stack, lobe);
+                add_product(out, &weights[rows], run.share_b, factors, &mut scratch);
             }
         }
         parts
@@ -208,37 +226,37 @@ impl Rows {
         (on_a, on_b): (f64, f64),
         mut columns: [&mut [f64]; 5],
     ) {
-        let mut scratch: [Vec<f64>; 7] = Default::default();
+        let (mut of_lamella, mut of_stack): ([Vec<f64>; 2], [Vec<f64>; 4]) = Default::default();
+        let (mut of_lobe, mut scratch): ([Vec<f64>; 3], [[Vec<f64>; 1]; 2]) = Default::default();
+        let stack = [terms.stack, slopes.stack[0], slopes.stack[1], slopes.stack[2]];
+        let lobe = [terms.lobe, slopes.lobe[0], slopes.lobe[1]];
         for run in &self.runs[block.runs.clone()] {
             let length = run.rows.len();
             let weights = &weights[run.rows.clone()];
             let rows = run.rows.start - block.rows.start..run.rows.end - block.rows.start;
             let [air, cuticle, tilt, half_width, width] = columns.each_mut().map(|column| &mut column[rows.clone()]);
             if run.share_a > 0.0 {
-                let [one, two, ..] = &mut scratch;
-                let [by_period, by_width] = slopes.lamella;
-                let along = [run.lamella.along(by_period, length, one), run.lamella.along(by_width, length, two)];
+                let along = run.lamella.all(slopes.lamella, length, &mut of_lamella);
                 add_lamella([&mut *air, &mut *cuticle, &mut *width], weights, on_a * run.share_a, along);
             }
             if run.share_b > 0.0 {
                 let factor = on_b * run.share_b;
-                let [r, r_air, r_cuticle, r_tilt, l, l_tilt, l_half_width] = &mut scratch;
-                let [by_air, by_cuticle, by_tilt] = slopes.stack;
-                let stack = [
-                    run.stack.along(terms.stack, length, r),
-                    run.stack.along(by_air, length, r_air),
-                    run.stack.along(by_cuticle, length, r_cuticle),
-                    run.stack.along(by_tilt, length, r_tilt),
-                ];
-                let lobe = [
-                    run.lobe.along(terms.lobe, length, l),
-                    run.lobe.along(slopes.lobe[0], length, l_tilt),
-                    run.lobe.along(slopes.lobe[1], length, l_half_width),
-                ];
-                add_multilayer([air, cuticle, tilt, half_width], weights, factor, stack, lobe);
+                let columns = [air, cuticle, tilt, half_width];
+                match (run.stack.one(stack), run.lobe.one(lobe)) {
+                    (Some(stack), None) => {
+                        along_the_lobe(columns, weights, factor, stack, run.lobe.all(lobe, length, &mut of_lobe));
+                    }
+                    (None, Some(lobe)) => {
+                        along_the_stack(columns, weights, factor, run.stack.all(stack, length, &mut of_stack), lobe);
+                    }
+                    _ => {
+                        let stack = run.stack.all(stack, length, &mut of_stack);
+                        along_both(columns, weights, factor, stack, run.lobe.all(lobe, length, &mut of_lobe));
+                    }
+                }
                 if let Some(by_width) = slopes.lobe_by_width {
-                    let mut by = Vec::new();
-                    add_product(width, weights, factor, stack[0], run.lobe.along(by_width, length, &mut by));
+                    let factors = [(&run.stack, terms.stack), (&run.lobe, by_width)];
+                    add_product(width, weights, factor, factors, &mut scratch);
                 }
             }
         }
@@ -281,57 +299,24 @@ fn nodes(run: &[PlannedReading], of: impl Fn(&PlannedReading) -> usize) -> Nodes
 }
 
 /// `out_i += w_i factor x_i y_i`
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn add_product(out: &mut [f64], weights: &[f64], factor: f64, x: &[f64], y: &[f64]) {
+fn add_product(
+    out: &mut [f64],
+    weights: &[f64],
+    factor: f64,
+    [(x, of_x), (y, of_y)]: [(&Nodes, &[f64]); 2],
+    [scratch_x, scratch_y]: &mut [[Vec<f64>; 1]; 2],
+) {
     let length = out.len();
-    let (weights, x, y) = (&weights[..length], &x[..length], &y[..length]);
-    for i in 0..length {
-        out[i] += weights[i] * factor * x[i] * y[i];
+    match (x.one([of_x]), y.one([of_y])) {
+        (Some([x]), _) => add_scaled(out, weights, factor * x, y.all([of_y], length, scratch_y)[0]),
+        (_, Some([y])) => add_scaled(out, weights, factor * y, x.all([of_x], length, scratch_x)[0]),
+        _ => {
+            let ([x], [y]) = (x.all([of_x], length, scratch_x), y.all([of_y], length, scratch_y));
+            add_both(out, weights, factor, x, y);
+        }
     }
 }
 
-/// Both thicknesses by the period, and the width.
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn add_lamella(columns: [&mut [f64]; 3], weights: &[f64], factor: f64, slopes: [&[f64]; 2]) {
-    let [air, cuticle, width] = columns;
-    let length = weights.len();
-    let (air, cuticle, width) = (&mut air[..length], &mut cuticle[..length], &mut width[..length]);
-    let [by_period, by_width] = slopes.map(|slope| &slope[..length]);
-    for i in 0..length {
-        let weight = weights[i] * factor;
-        air[i] += weight * by_period[i];
-        cuticle[i] += weight * by_period[i];
-        width[i] += weight * by_width[i];
-    }
-}
-
-/// Of `R L`, where each list begins with the value.
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-fn add_multilayer(columns: [&mut [f64]; 4], weights: &[f64], factor: f64, stack: [&[f64]; 4], lobe: [&[f64]; 3]) {
-    let length = weights.len();
-    let [air, cuticle, tilt, half_width] = columns.map(|column| &mut column[..length]);
-    let [r, r_air, r_cuticle, r_tilt] = stack.map(|values| &values[..length]);
-    let [l, l_tilt, l_half_width] = lobe.map(|values| &values[..length]);
-    for i in 0..length {
-        let weight = weights[i] * factor;
-        air[i] += weight * r_air[i] * l[i];
-        cuticle[i] += weight * r_cuticle[i] * l[i];
-        tilt[i] += weight * (r_tilt[i] * l[i] + r[i] * l_tilt[i]);
-        half_width[i] += weight * r[i] * l_half_width[i];
-    }
-}
-
-/// Weighted residuals, `on_a A + on_b B + background w - w y`, of readings with the same factors.
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-pub(crate) fn residuals(out: &mut [f64], factors: (f64, f64, f64), parts: [&[f64]; 2], weighted: [&[f64]; 2]) {
-    let (on_a, on_b, background) = factors;
-    let length = out.len();
-    let [a, b] = parts.map(|values| &values[..length]);
-    let [weights, intensities] = weighted.map(|values| &values[..length]);
-    for i in 0..length {
-        out[i] = on_a * a[i] + on_b * b[i] + background * weights[i] - intensities[i];
-    }
-}
-
+mod kernels;
 #[cfg(test)]
 mod tests;

@@ -9,7 +9,8 @@
 //! Every 0/0 of the printed form has its limit: `A = ±1` at `x = m pi`, `S = 1` at `y = 0`. The printed `cos^2(theta)`
 //! is kept; it is not reciprocal. The path is that of the vacuum: Model A does not see the cuticle's index.
 
-use crate::numerics::trigonometry::{cos_up_to_sign, sin_cos_up_to_sign, sin_up_to_sign};
+use crate::numerics::fused::{fused_or_not, mul_add};
+use crate::numerics::trigonometry::{cos_up_to_sign, sin_cos_fused};
 use multiversion::multiversion;
 use std::f64::consts::{PI, TAU};
 
@@ -17,7 +18,7 @@ use std::f64::consts::{PI, TAU};
 /// `M²/3`, to 1e-14 here.
 pub(crate) const CHEBYSHEV_LAYERS: usize = 16;
 /// Nodes that go together.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 /// Below this argument the slope of a slit is taken by its series.
 const SERIES: f64 = 0.05;
 
@@ -65,44 +66,79 @@ pub(crate) fn chebyshev<const LANES: usize>(x: [f64; LANES], layers: usize) -> [
 }
 
 /// `array_factor(half_kv · period)²` of many nodes.
-///
-/// The same bits with every set of vector instructions: nothing is fused.
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
 pub(crate) fn interference(half_kv: &[f64], period: f64, layers: usize) -> Vec<f64> {
-    let mut squares = Vec::with_capacity(half_kv.len());
-    let (chunks, rest) = half_kv.as_chunks::<8>();
-    if layers <= CHEBYSHEV_LAYERS {
-        for chunk in chunks {
-            squares.extend(chebyshev(chunk.map(|half_kv| half_kv * period), layers).map(|factor| factor * factor));
+    fused_or_not!(interference_of(half_kv, period, layers))
+}
+
+#[inline(always)]
+fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usize) -> Vec<f64> {
+    if layers > CHEBYSHEV_LAYERS {
+        return half_kv.iter().map(|half_kv| array_factor(half_kv * period, layers).powi(2)).collect();
+    }
+    #[allow(clippy::cast_precision_loss, reason = "at most 16")]
+    let square = (layers.max(1) as f64).powi(-2);
+    let mut squares = vec![0.0; half_kv.len()];
+    for (nodes, out) in half_kv.chunks(BLOCK).zip(squares.chunks_mut(BLOCK)) {
+        let phases = padded(nodes);
+        let mut twice_cos = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            twice_cos[lane] = 2.0 * sin_cos_fused::<FUSED>(phases[lane] * period).1;
+        }
+        let (mut u, mut before) = ([1.0; BLOCK], [0.0; BLOCK]);
+        for _ in 1..layers {
+            for lane in 0..BLOCK {
+                (u[lane], before[lane]) = (mul_add::<FUSED>(twice_cos[lane], u[lane], -before[lane]), u[lane]);
+            }
+        }
+        for (out, u) in out.iter_mut().zip(u) {
+            *out = u * u * square;
         }
     }
-    let scalar = if layers <= CHEBYSHEV_LAYERS { rest } else { half_kv };
-    squares.extend(scalar.iter().map(|half_kv| array_factor(half_kv * period, layers).powi(2)));
     squares
 }
 
+/// The nodes of a block, and zeros.
+#[inline(always)]
+fn padded(nodes: &[f64]) -> [f64; BLOCK] {
+    let mut block = [0.0; BLOCK];
+    block[..nodes.len()].copy_from_slice(nodes);
+    block
+}
+
 /// `factor · obliquity · slit_factor(half_ku · lamella_width)²` of many nodes.
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
 pub(crate) fn diffraction(half_ku: &[f64], obliquity: &[f64], lamella_width: f64, factor: f64) -> Vec<f64> {
-    let one = |half_ku: f64, obliquity: f64| factor * obliquity * slit_factor(half_ku * lamella_width).powi(2);
-    half_ku.iter().zip(obliquity).map(|(&half_ku, &obliquity)| one(half_ku, obliquity)).collect()
+    fused_or_not!(diffraction_of(half_ku, obliquity, lamella_width, factor))
+}
+
+#[inline(always)]
+fn diffraction_of<const FUSED: bool>(half_ku: &[f64], obliquity: &[f64], lamella_width: f64, factor: f64) -> Vec<f64> {
+    // A loop, not an iterator: what closures do inside other functions is not compiled for these instructions.
+    let mut squares = vec![0.0; half_ku.len()];
+    for ((square, &half_ku), &obliquity) in squares.iter_mut().zip(half_ku).zip(obliquity) {
+        let slit = slit::<FUSED>(half_ku * lamella_width);
+        *square = factor * obliquity * (slit * slit);
+    }
+    squares
 }
 
 /// Derivatives of [`interference`] by the period, 1/nm; `None` above [`CHEBYSHEV_LAYERS`].
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
 pub(crate) fn interference_slopes(half_kv: &[f64], period: f64, layers: usize) -> Option<Vec<f64>> {
-    if layers > CHEBYSHEV_LAYERS {
-        return None;
-    }
+    (layers <= CHEBYSHEV_LAYERS).then(|| fused_or_not!(interference_slopes_of(half_kv, period, layers)))
+}
+
+#[inline(always)]
+fn interference_slopes_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usize) -> Vec<f64> {
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
     let count = layers.max(1) as f64;
     let mut slopes = vec![0.0; half_kv.len()];
     for (nodes, out) in half_kv.chunks(BLOCK).zip(slopes.chunks_mut(BLOCK)) {
         let (mut twice_cos, mut twice_sin) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let mut phases = [0.0; BLOCK];
-        phases[..nodes.len()].copy_from_slice(nodes);
+        let phases = padded(nodes);
         for lane in 0..BLOCK {
-            let (sin, cos) = sin_cos_up_to_sign(phases[lane] * period);
+            let (sin, cos) = sin_cos_fused::<FUSED>(phases[lane] * period);
             (twice_sin[lane], twice_cos[lane]) = (2.0 * sin, 2.0 * cos);
         }
         // U_(M-1) and its derivative by the cosine's double.
@@ -110,8 +146,8 @@ pub(crate) fn interference_slopes(half_kv: &[f64], period: f64, layers: usize) -
         let (mut by_u, mut by_before) = ([0.0; BLOCK], [0.0; BLOCK]);
         for _ in 1..layers {
             for lane in 0..BLOCK {
-                let next = twice_cos[lane] * u[lane] - before[lane];
-                let by_next = u[lane] + twice_cos[lane] * by_u[lane] - by_before[lane];
+                let next = mul_add::<FUSED>(twice_cos[lane], u[lane], -before[lane]);
+                let by_next = mul_add::<FUSED>(twice_cos[lane], by_u[lane], u[lane] - by_before[lane]);
                 (u[lane], before[lane]) = (next, u[lane]);
                 (by_u[lane], by_before[lane]) = (by_next, by_u[lane]);
             }
@@ -122,12 +158,23 @@ pub(crate) fn interference_slopes(half_kv: &[f64], period: f64, layers: usize) -
         }
         out.copy_from_slice(&found[..nodes.len()]);
     }
-    Some(slopes)
+    slopes
 }
 
 /// Derivatives of [`diffraction`] by the width of the lamella, 1/nm, where `factor_slope` is that of the factor.
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
 pub(crate) fn diffraction_slopes(
+    half_ku: &[f64],
+    obliquity: &[f64],
+    lamella_width: f64,
+    factor: f64,
+    factor_slope: f64,
+) -> Vec<f64> {
+    fused_or_not!(diffraction_slopes_of(half_ku, obliquity, lamella_width, factor, factor_slope))
+}
+
+#[inline(always)]
+fn diffraction_slopes_of<const FUSED: bool>(
     half_ku: &[f64],
     obliquity: &[f64],
     lamella_width: f64,
@@ -139,7 +186,7 @@ pub(crate) fn diffraction_slopes(
         let y = half_ku * lamella_width;
         let small = y.abs() < SERIES;
         let safe = if small { 1.0 } else { y };
-        let (sin, cos) = sin_cos_up_to_sign(safe);
+        let (sin, cos) = sin_cos_fused::<FUSED>(safe);
         let z = y * y;
         let sinc = if small { 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0)) } else { sin / safe };
         // (y cos y - sin y) / y², which cancels where y is small
@@ -154,10 +201,15 @@ pub(crate) fn diffraction_slopes(
 #[must_use]
 #[inline(always)]
 pub fn slit_factor(y: f64) -> f64 {
+    slit::<false>(y)
+}
+
+#[inline(always)]
+fn slit<const FUSED: bool>(y: f64) -> f64 {
     // Chosen without a branch, so that a loop over nodes is vector code.
     let at_zero = y.abs() < f64::MIN_POSITIVE;
     let safe = if at_zero { 1.0 } else { y };
-    let ratio = sin_up_to_sign(safe) / safe;
+    let ratio = sin_cos_fused::<FUSED>(safe).0 / safe;
     if at_zero { 1.0 } else { ratio }
 }
 
