@@ -241,6 +241,30 @@ fn relief_turns_the_normal_by_its_slope() {
     assert!((x / z + 0.1).abs() < 1e-6 && y.abs() < 1e-9, "{x} {y} {z}");
 }
 
+/// Maps that end where the wing does, as drawn by hand: a step, other ridges and another gap beyond its edge.
+#[test]
+fn what_maps_say_beside_the_wing_makes_no_fringe() {
+    let wing = Wing { size: (8, 8), base: 0.0, gap: 141.0, gap_spread: 0.0 };
+    let left = |inside: f32, outside: f32| {
+        Raster::new(8, 8, 1, (0..64).map(|pixel| if pixel % 8 < 4 { inside } else { outside }).collect()).unwrap()
+    };
+    let gap = Some(GapMap { raster: left(0.5, 0.0), range: [100.0, 200.0] });
+    let maps = Maps {
+        height: left(1.0, 0.0),
+        angle: left(0.0, 0.25),
+        mask: left(1.0, 0.0),
+        gap,
+        ..plain_maps(&wing).unwrap()
+    };
+    let surface = Surface::new(&maps, 0.1, 141.0).unwrap();
+    for x in [-0.6, -0.2, -0.05, 0.05, 0.12] {
+        let point = surface.at([x, 0.1]).unwrap();
+        assert!((point.coverage < 1.0) == (x > -0.125), "{x}: {}", point.coverage);
+        assert!((point.normal[2] - 1.0).abs() < 1e-9 && (point.ridge[1] - 1.0).abs() < 1e-6, "{x}: {point:?}");
+        assert!((point.gap - 150.0).abs() < 1e-4, "{x}: {point:?}");
+    }
+}
+
 /// A Lambertian base of reflectance 0.4 in a sun at 60° has half of it, from everywhere.
 #[test]
 fn the_base_is_lambertian_and_the_mask_weighs_both() {

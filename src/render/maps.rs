@@ -41,8 +41,8 @@ pub struct Maps {
     pub gap: Option<GapMap>,
 }
 
-/// Coverage, structural share, slopes along x and y, direction of the ridges along x and y, base, gap; share and base are
-/// multiplied with the coverage, so that edges have no fringe.
+/// Coverage, and times this: structural share, slopes along x and y, direction of the ridges along x and y, base, gap. So what a map
+/// says where there is no wing makes no fringe at its edge.
 type Texel = [f32; 10];
 
 /// One point of a wing.
@@ -100,19 +100,19 @@ impl Surface {
             return Err(RenderError::OutOfRange { quantity, found: gaps[0], allowed: "at most the last" });
         }
         let two_channels = maps.angle.is_coloured();
-        let slopes = Slopes::new(&maps.height, relief);
+        let slopes = Slopes { mask: Some(&maps.mask), ..Slopes::new(&maps.height, relief) };
         let mut texels = vec![[0.0; 10]; width * height];
         texels.par_chunks_mut(width).enumerate().for_each(|(row, out)| {
             for (column, texel) in out.iter_mut().enumerate() {
-                let grey = maps.mask.grey(column, row);
-                let (coverage, share) = maps.mask.alpha(column, row).map_or((grey, 1.0), |alpha| (alpha, grey));
-                let [slope_x, slope_y] = slopes.at(column, row);
-                let [along_x, along_y] = ridge(&maps.angle, column, row, two_channels);
+                let coverage = covered(&maps.mask, column, row);
+                let share = maps.mask.alpha(column, row).map_or(1.0, |_| maps.mask.grey(column, row));
+                let [slope_x, slope_y] = slopes.at(column, row).map(|slope| coverage * slope);
+                let [along_x, along_y] = ridge(&maps.angle, column, row, two_channels).map(|along| coverage * along);
                 let [red, green, blue] = [0, 1, 2].map(|channel| {
                     let channel = if maps.base.channels() < 3 { 0 } else { channel };
                     coverage * maps.base.at(column, row, channel)
                 });
-                let gap = maps.gap.as_ref().map_or(0.0, |map| map.raster.grey(column, row));
+                let gap = maps.gap.as_ref().map_or(0.0, |map| coverage * map.raster.grey(column, row));
                 let structural = coverage * share;
                 *texel = [coverage, structural, slope_x, slope_y, along_x, along_y, red, green, blue, gap];
             }
@@ -120,7 +120,7 @@ impl Surface {
         if texels.iter().all(|texel| texel[0] <= 0.0) {
             return Err(RenderError::NoWing);
         }
-        let lit = texels.iter().filter(|texel| texel[1] > 0.0).map(|texel| f64::from(texel[9]));
+        let lit = texels.iter().filter(|texel| texel[1] > 0.0).map(|texel| f64::from(texel[9] / texel[0]));
         let [low, high] = lit.fold([f64::INFINITY, 0.0], |[low, high], gap| [low.min(gap), high.max(gap)]);
         let found = if low > high { gaps } else { [low, high].map(|gap| between(gaps, gap)) };
         Ok(Self { width, height, texels, gaps, found })
@@ -161,9 +161,10 @@ impl Surface {
         }
         let length = along_x.hypot(along_y);
         let ridge = if length > f64::from(NO_DIRECTION) { [along_x / length, along_y / length] } else { [0.0, 1.0] };
+        let [slope_x, slope_y, gap] = [slope_x, slope_y, gap].map(|value| value / coverage);
         let upright = (slope_x * slope_x + slope_y * slope_y + 1.0).sqrt().recip();
         let normal = [-slope_x * upright, -slope_y * upright, upright];
-        let gap = between(self.gaps, gap);
+        let gap = between(self.gaps, gap.min(1.0));
         Some(Point { coverage, structural, normal, ridge, base: [red, green, blue], gap })
     }
 }
@@ -173,9 +174,16 @@ fn between([first, last]: [f64; 2], share: f64) -> f64 {
     first + share * (last - first)
 }
 
-/// Slopes of a displacement by central differences, one-sided at the edge.
+/// Share of a pixel that is wing.
+fn covered(mask: &Raster, column: usize, row: usize) -> f32 {
+    mask.alpha(column, row).unwrap_or_else(|| mask.grey(column, row))
+}
+
+/// Slopes of a displacement by central differences, one-sided at the edge of the image and of the wing.
 pub(super) struct Slopes<'a> {
     height: &'a Raster,
+    /// Where there is wing; none for everywhere.
+    mask: Option<&'a Raster>,
     /// Height of a displacement of 1 over the width and the height of a pixel.
     steepness: [f64; 2],
 }
@@ -184,13 +192,18 @@ impl<'a> Slopes<'a> {
     pub(super) fn new(height: &'a Raster, relief: f64) -> Self {
         // Relief and pixels are both parts of the side.
         let steepness = [relief * whole(height.width()), relief * whole(height.height())];
-        Self { height, steepness }
+        Self { height, mask: None, steepness }
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "texels are in single precision")]
     pub(super) fn at(&self, column: usize, row: usize) -> [f32; 2] {
-        let (left, right) = (column.saturating_sub(1), (column + 1).min(self.height.width() - 1));
-        let (above, below) = (row.saturating_sub(1), (row + 1).min(self.height.height() - 1));
+        let is_wing = |column, row| self.mask.is_none_or(|mask| covered(mask, column, row) > 0.0);
+        let beside = |other, own, is_wing: bool| if is_wing { other } else { own };
+        let horizontal = |other| beside(other, column, is_wing(other, row));
+        let vertical = |other| beside(other, row, is_wing(column, other));
+        let (left, right) =
+            (horizontal(column.saturating_sub(1)), horizontal((column + 1).min(self.height.width() - 1)));
+        let (above, below) = (vertical(row.saturating_sub(1)), vertical((row + 1).min(self.height.height() - 1)));
         let level = |column, row| f64::from(self.height.grey(column, row));
         let across = (level(right, row) - level(left, row)) / whole((right - left).max(1));
         let upwards = (level(column, above) - level(column, below)) / whole((below - above).max(1));
