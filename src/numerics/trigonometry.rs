@@ -74,33 +74,8 @@ pub fn cos_up_to_sign(x: f64) -> f64 {
     polynomial::<false>(&COSINE, r * r)
 }
 
-/// `sin(x)` or `-sin(x)`, to 4e-16, for `|x|` below a million.
-///
-/// ```
-/// use morpho_fit::numerics::trigonometry::sin_up_to_sign;
-/// assert!((sin_up_to_sign(2.0).abs() - 2.0_f64.sin()).abs() < 4e-16);
-/// ```
-#[must_use]
-#[inline(always)]
-pub fn sin_up_to_sign(x: f64) -> f64 {
-    let r = reduced::<false>(x);
-    r * polynomial::<false>(&SINE, r * r)
-}
-
-/// `(sin(x), cos(x))` or both with the other sign, each to 4e-16, for `|x|` below a million.
-///
-/// ```
-/// use morpho_fit::numerics::trigonometry::sin_cos_up_to_sign;
-/// let (sin, cos) = sin_cos_up_to_sign(2.0);
-/// assert!((sin * cos - 2.0_f64.sin() * 2.0_f64.cos()).abs() < 4e-16);
-/// ```
-#[must_use]
-#[inline(always)]
-pub fn sin_cos_up_to_sign(x: f64) -> (f64, f64) {
-    sin_cos_fused::<false>(x)
-}
-
-/// [`sin_cos_up_to_sign`] for code compiled with fused multiply-add, if `FUSED`.
+/// `(sin(x), cos(x))` or both with the other sign, each to 4e-16, for `|x|` below a million; for code compiled with fused multiply-add,
+/// if `FUSED`.
 #[inline(always)]
 pub(crate) fn sin_cos_fused<const FUSED: bool>(x: f64) -> (f64, f64) {
     let r = reduced::<FUSED>(x);
@@ -118,8 +93,8 @@ mod tests {
         for step in 0..200_000 {
             let x = f64::from(step - 100_000) * 1.234_567e-2;
             worst = worst.max((cos_up_to_sign(x).abs() - x.cos().abs()).abs());
-            worst = worst.max((sin_up_to_sign(x).abs() - x.sin().abs()).abs());
-            let (sin, cos) = sin_cos_up_to_sign(x);
+            let (sin, cos) = sin_cos_fused::<false>(x);
+            worst = worst.max((sin.abs() - x.sin().abs()).abs());
             worst = worst.max((sin * cos - x.sin() * x.cos()).abs());
             let (sin, cos) = sin_cos_fused::<true>(x);
             worst = worst.max((cos.abs() - x.cos().abs()).abs()).max((sin.abs() - x.sin().abs()).abs());
@@ -131,7 +106,7 @@ mod tests {
     #[test]
     fn a_small_argument_keeps_its_relative_accuracy() {
         for x in [1e-300, 1e-9, 1e-3] {
-            assert!((sin_up_to_sign(x) / x.sin() - 1.0).abs() < 4e-16);
+            assert!((sin_cos_fused::<false>(x).0 / x.sin() - 1.0).abs() < 4e-16);
         }
     }
 }
