@@ -1,7 +1,7 @@
-//! What an instrument and a sample average over: a cone of light, a bandwidth, thicknesses and tilts that differ.
+//! What an instrument and a sample average over: a cone of light, a bandwidth, thicknesses, layers and tilts that differ.
 //!
 //! ```text
-//! R = mean over the cone, the band, the spread  of  R(wavelength + w, period + t, angle)
+//! R = mean over the cone, the band, the spreads  of  R(wavelength + w, period + t, angle; deviation of each layer)
 //! ```
 //!
 //! Each average is off until its width is above 0. They act on the stack of Model B, the sharpest function of the model; the
@@ -9,7 +9,7 @@
 //!
 //! Averages multiply, and each costs as many plane waves as it crosses fringes: their width is a share `1/M²` of the
 //! wavelength at the edge of a band, and the phases of oblique rays fall behind as the square of the aperture. The counts
-//! below hold R to 1e-3 (tests), most of it to 1e-4.
+//! below hold R to 1e-3 (tests), most of it to 1e-4. Layers that differ by themselves are too many for that: see their field.
 
 mod cone;
 mod layers;
@@ -44,7 +44,19 @@ pub struct Averages {
     /// Standard deviation of the period over the spot, nm; both layers in proportion; normal.
     pub period_spread: f64,
     /// Standard deviation of each layer's thickness, of cuticle as of gap, nm: each by itself in every stack of the spot; normal,
-    /// and nothing where it would be thinner than that. R is the mean over 961 fixed stacks.
+    /// and a layer that would be thinner than nothing is left out.
+    ///
+    /// R is the mean over 961 fixed stacks, smooth in structure and angle, and is off from the mean over all stacks by
+    ///
+    /// | spread, nm | 9 layers: root mean square, largest | 20 layers |
+    /// |---|---|---|
+    /// | 1 | 1e-4, 2e-3 | 4e-4, 4e-3 |
+    /// | 5 | 1e-3, 6e-3 | 2e-3, 1e-2 |
+    /// | 15 | 2e-3, 1e-2 | 4e-3, 1e-2 |
+    /// | 25 | 4e-3, 1e-2 | 4e-3, 2e-2 |
+    ///
+    /// against 262,144 random stacks in 384 readings of four structures at 0 to 75°, s and p, 385 to 729 nm. Beside other averages
+    /// each of their plane waves has a share of these stacks, 31 at least. A reading costs a thousand plane waves.
     pub layer_spread: f64,
     /// Standard deviation of the tilt over the spot, rad; normal. Not beside a numerical aperture.
     pub tilt_spread: f64,

@@ -6,7 +6,7 @@
 //! d_j = max(0, d + spread z(P_j(a j + b mod 31)))
 //! ```
 //!
-//! with 31 levels z as likely as each other and P_j a permutation of them, drawn once for all. Of any two of 31 layers each of the
+//! with 31 levels z as likely as each other and `P_j` a permutation of them, drawn once for all. Of any two of 31 layers each of the
 //! 31² pairs of levels is met once: what each layer does, and any two together, is the mean over all levels, and only what three
 //! or more do together is a sample. Levels and permutations are odd, so that with each stack goes the one that is as much
 //! thinner where it is thicker, and no odd power of the deviations is left. The 62 matrices of all layers are computed once.
@@ -141,4 +141,61 @@ fn odd_permutation(random: &mut Xoshiro256PlusPlus) -> [usize; LEVELS] {
         (permuted[place + 1], permuted[LEVELS - 1 - place]) = (one, other);
     }
     permuted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn levels_have_the_moments_of_the_normal_distribution() {
+        let moment = |power: i32| levels().iter().map(|level| level.powi(power)).sum::<f64>() / LEVELS as f64;
+        for (power, expected) in [(1, 0.0), (2, 1.0), (3, 0.0), (4, 3.0), (5, 0.0)] {
+            assert_abs_diff_eq!(moment(power), expected, epsilon = 1e-12);
+        }
+        assert!(levels().is_sorted() && levels()[LEVELS - 1] < 2.5);
+    }
+
+    #[test]
+    fn any_two_of_31_layers_meet_each_pair_of_levels_once() {
+        let disorder = Disorder::new(16, 1.0);
+        for one in 0..LEVELS {
+            for other in 0..one {
+                let mut met = [[0; LEVELS]; LEVELS];
+                for stack in disorder.order.chunks(disorder.length) {
+                    met[stack[one] % LEVELS][stack[other] % LEVELS] += 1;
+                }
+                assert_eq!(met, [[1; LEVELS]; LEVELS], "{one} {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn with_each_stack_goes_its_opposite_and_each_layer_is_of_its_kind() {
+        let disorder = Disorder::new(40, 1.0);
+        let stacks: std::collections::HashSet<&[usize]> = disorder.order.chunks(disorder.length).collect();
+        assert_eq!(stacks.len(), LEVELS * LEVELS);
+        for stack in &stacks {
+            assert!(stack.iter().enumerate().all(|(place, kind)| kind / LEVELS == place % 2));
+            let opposite: Vec<usize> =
+                stack.iter().map(|kind| kind / LEVELS * LEVELS + LEVELS - 1 - kind % LEVELS).collect();
+            assert!(stacks.contains(opposite.as_slice()));
+        }
+    }
+
+    #[test]
+    fn shares_are_within_the_array_and_all_together_are_all_of_it() {
+        let disorder = Disorder::new(3, 1.0);
+        assert_eq!(disorder.share(0, 1), (disorder.order.as_slice(), LEVELS * LEVELS));
+        for nodes in [2, 17, 65, 124, 1000] {
+            let mut first = std::collections::HashSet::new();
+            for node in 0..nodes {
+                let (order, stacks) = disorder.share(node, nodes);
+                assert_eq!(order.len(), stacks * disorder.length);
+                first.insert(order.as_ptr());
+            }
+            assert_eq!(first.len() > 1, nodes > 4, "{nodes}");
+        }
+    }
 }

@@ -15,7 +15,8 @@
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
 use crate::numerics::fused::{fused_or_not, mul_add};
-use crate::optics::multilayer::fields::{BLOCK, Block, Layers, Matrix, SCALED, Wave, ZERO, block_of, larger};
+use crate::numerics::trigonometry::sin_cos_fused;
+use crate::optics::multilayer::fields::{BLOCK, Block, Layers, SCALED, Wave, ZERO, block_of, larger};
 use crate::optics::multilayer::{CUTICLE, GAP, StackSlopes};
 use multiversion::multiversion;
 
@@ -44,45 +45,91 @@ pub(super) fn blocks<const FUSED: bool>(
     wavenumbers: &[f64],
     out: &mut [StackSlopes],
 ) {
-    let mut matrices = vec![Matrix::NONE; layers.kinds.len()];
-    let mut path = Vec::new();
+    let mut kinds = vec![Kind::NONE; layers.kinds.len()];
+    let mut path = Path::default();
     #[allow(clippy::cast_precision_loss, reason = "a count of stacks is small")]
     let stacks = layers.stacks as f64;
     for (number, (chunk, out)) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)).enumerate() {
         let start = number * BLOCK;
         let (ambient, _) = block_of(layers.ambient, start);
-        let wave = |row| Wave::new::<FUSED>(block_of(row, start), &ambient, cos);
-        let base = wave(layers.base);
-        let waves = [GAP, CUTICLE].map(|medium| wave(layers.media[medium]));
+        let base = Wave::new::<FUSED>(block_of(layers.base, start), &ambient, cos);
+        let waves =
+            [GAP, CUTICLE].map(|medium| Wave::new::<FUSED>(block_of(layers.media[medium], start), &ambient, cos));
         let mut k = [chunk[chunk.len() - 1]; BLOCK];
         k[..chunk.len()].copy_from_slice(chunk);
-        for (matrix, &(medium, thickness)) in matrices.iter_mut().zip(layers.kinds) {
-            matrix.set::<FUSED>(&waves[medium], thickness, &k);
+        // d(ln Y) / d(angle) of each medium, and d(phase) / d(angle) of 1 nm: kz² = n² - n_ambient² sin²
+        let (mut relative, mut turned, mut base_relative) = ([ZERO; 2], [ZERO; 2], ZERO);
+        for i in 0..BLOCK {
+            let change = -ambient[i] * ambient[i] * sin * cos;
+            for medium in [GAP, CUTICLE] {
+                let along = waves[medium].admittances[0].0[i];
+                relative[medium][i] = change / (along * along);
+                turned[medium][i] = k[i] * change / along;
+            }
+            base_relative[i] = change / (base.admittances[0].0[i] * base.admittances[0].0[i]);
         }
         for polarization in [0, 1] {
+            for (kind, &(medium, thickness)) in kinds.iter_mut().zip(layers.kinds) {
+                kind.set::<FUSED>(&waves[medium], polarization, thickness, &k);
+            }
             let mut outside = ZERO;
             for i in 0..BLOCK {
                 outside[i] = if polarization == 0 { ambient[i] * cos } else { cos / ambient[i] };
             }
-            let edge = Edge { polarization, outside, base: &base, waves: &waves };
-            let mut whole = Whole::NONE;
+            let behind = &base.admittances[polarization].0;
+            let (mut sums, mut angles) = ([ZERO; 2], ZERO);
             for order in layers.each() {
-                edge.forwards::<FUSED>(&matrices, order, &mut path);
-                edge.backwards::<FUSED>(layers, &matrices, moves, order, &path, &mut whole);
+                path.forwards::<FUSED>(behind, &kinds, order);
+                let (mut slope, factor, lost) = path.edge::<FUSED>(&outside);
+                for i in 0..BLOCK {
+                    angles[i] = mul_add::<FUSED>(-sin / cos, factor[i] * lost.1[i], angles[i]);
+                }
+                let mut next: Option<usize> = None;
+                for (place, &number) in order.iter().enumerate().rev() {
+                    let (medium, thickness) = layers.kinds[number];
+                    let (y, z) =
+                        (&waves[medium].admittances[polarization].0, &waves[medium].impedances[polarization].0);
+                    let (kind, fields, moved) = (&kinds[number], &path.fields[place + 1], moves[number]);
+                    let (relative_here, turned) = (&relative[medium], &turned[medium]);
+                    let relative_next = next.map_or(&ZERO, |medium| &relative[medium]);
+                    let sum = &mut sums[medium];
+                    for i in 0..BLOCK {
+                        let [e, h, f, g] = [slope[0][i], slope[1][i], slope[2][i], slope[3][i]];
+                        let to_e = mul_add::<FUSED>(e, fields[1][i], f * fields[3][i]);
+                        let to_h = mul_add::<FUSED>(h, fields[0][i], g * fields[2][i]);
+                        let by_admittance = mul_add::<FUSED>(h, fields[1][i], g * fields[3][i]);
+                        let by_phase = mul_add::<FUSED>(z[i], to_e, -y[i] * to_h);
+                        sum[i] = mul_add::<FUSED>(moved, by_phase, sum[i]);
+                        let changed = mul_add::<FUSED>(thickness * turned[i], by_phase, angles[i]);
+                        angles[i] = mul_add::<FUSED>(relative_here[i] - relative_next[i], by_admittance, changed);
+                        slope[0][i] = mul_add::<FUSED>(kind.same[i], e, -kind.by_e[i] * h);
+                        slope[1][i] = mul_add::<FUSED>(kind.same[i], h, kind.by_h[i] * e);
+                        slope[2][i] = mul_add::<FUSED>(kind.same[i], f, -kind.by_e[i] * g);
+                        slope[3][i] = mul_add::<FUSED>(kind.same[i], g, kind.by_h[i] * f);
+                    }
+                    if place % SCALED == SCALED - 1 {
+                        let scale = &path.scales[place / SCALED];
+                        for part in &mut slope {
+                            for i in 0..BLOCK {
+                                part[i] *= scale[i];
+                            }
+                        }
+                    }
+                    next = Some(medium);
+                }
+                let first = next.map_or(&ZERO, |medium| &relative[medium]);
+                for i in 0..BLOCK {
+                    // The fields at the base are (1, 0) and (0, -Y_base).
+                    let by_base = -slope[3][i] * behind[i];
+                    let own = mul_add::<FUSED>(-factor[i], lost.0[i], by_base);
+                    angles[i] =
+                        mul_add::<FUSED>(base_relative[i], own, mul_add::<FUSED>(-first[i], by_base, angles[i]));
+                }
             }
             for (i, out) in out.iter_mut().enumerate() {
-                // kz² = n² - n_ambient² sin²
-                let turned = -ambient[i] * ambient[i] * sin * cos;
-                let along = |wave: &Wave| wave.admittances[0].0[i];
-                let relative = |wave: &Wave| turned / (along(wave) * along(wave));
-                let by = |medium: usize| k[i] * along(&waves[medium]) * whole.phase[medium][i] / stacks;
-                let mut angle = whole.base[i] * relative(&base) - whole.outside[i] * sin / cos;
-                for medium in [GAP, CUTICLE] {
-                    let phases = k[i] * along(&waves[medium]) * whole.length[medium][i];
-                    angle += relative(&waves[medium]) * (phases + whole.admittance[medium][i]);
-                }
+                let by = |medium: usize| k[i] * waves[medium].admittances[0].0[i] * sums[medium][i] / stacks;
                 for (out, value) in
-                    [(&mut out.gap, by(GAP)), (&mut out.cuticle, by(CUTICLE)), (&mut out.angle, angle / stacks)]
+                    [(&mut out.gap, by(GAP)), (&mut out.cuticle, by(CUTICLE)), (&mut out.angle, angles[i] / stacks)]
                 {
                     *(if polarization == 0 { &mut out.s } else { &mut out.p }) = value;
                 }
@@ -91,141 +138,94 @@ pub(super) fn blocks<const FUSED: bool>(
     }
 }
 
-/// Sums over all stacks of derivatives of R: by the phases of the layers of a medium that move, by phases times thickness, by the
-/// logarithms of the admittances of the media, of the base and of the ambient medium.
-struct Whole {
-    phase: [Block; 2],
-    length: [Block; 2],
-    admittance: [Block; 2],
-    base: Block,
-    outside: Block,
+/// The matrix T of a kind of layer.
+#[derive(Debug, Clone, Copy)]
+struct Kind {
+    same: Block,
+    by_h: Block,
+    by_e: Block,
 }
 
-impl Whole {
-    const NONE: Self = Self { phase: [ZERO; 2], length: [ZERO; 2], admittance: [ZERO; 2], base: ZERO, outside: ZERO };
-}
+impl Kind {
+    const NONE: Self = Self { same: ZERO, by_h: ZERO, by_e: ZERO };
 
-/// What is about the layers of all stacks, of one polarization.
-struct Edge<'a> {
-    polarization: usize,
-    outside: Block,
-    base: &'a Wave,
-    waves: &'a [Wave; 2],
-}
-
-impl Edge<'_> {
-    /// The fields behind the first layer and after each, with what they were divided by there.
     #[inline(always)]
-    fn forwards<const FUSED: bool>(
-        &self,
-        matrices: &[Matrix],
-        order: &[usize],
-        path: &mut Vec<(Pairs, Option<Block>)>,
-    ) {
-        let base = &self.base.admittances[self.polarization].0;
-        let mut fields: Pairs = [[1.0; BLOCK], ZERO, ZERO, ZERO];
+    fn set<const FUSED: bool>(&mut self, wave: &Wave, polarization: usize, thickness: f64, k: &Block) {
+        let (y, z) = (&wave.admittances[polarization].0, &wave.impedances[polarization].0);
+        let along = &wave.admittances[0].0;
         for i in 0..BLOCK {
-            fields[3][i] = -base[i];
+            let (sin, cos) = sin_cos_fused::<FUSED>(k[i] * thickness * along[i]);
+            (self.same[i], self.by_h[i], self.by_e[i]) = (cos, sin * z[i], sin * y[i]);
         }
-        path.clear();
-        path.push((fields, None));
-        for (place, &kind) in order.iter().enumerate() {
-            let matrix = &matrices[kind];
-            let (same, by_h, by_e) =
-                (&matrix.same.0, &matrix.by_h[self.polarization].0, &matrix.by_e[self.polarization].0);
+    }
+}
+
+/// The fields behind the first layer and after each, and what they were divided by after so many.
+#[derive(Debug, Default)]
+struct Path {
+    fields: Vec<Pairs>,
+    scales: Vec<Block>,
+}
+
+impl Path {
+    #[inline(always)]
+    fn forwards<const FUSED: bool>(&mut self, behind: &Block, kinds: &[Kind], order: &[usize]) {
+        self.fields.resize(order.len() + 1, [ZERO; 4]);
+        self.scales.resize(order.len() / SCALED, ZERO);
+        let mut last: Pairs = [[1.0; BLOCK], ZERO, ZERO, ZERO];
+        for i in 0..BLOCK {
+            last[3][i] = -behind[i];
+        }
+        self.fields[0] = last;
+        for (place, &number) in order.iter().enumerate() {
+            let kind = &kinds[number];
+            let after = &mut self.fields[place + 1];
             for i in 0..BLOCK {
-                let [e, h, f, g] = [fields[0][i], fields[1][i], fields[2][i], fields[3][i]];
-                fields[0][i] = mul_add::<FUSED>(same[i], e, by_h[i] * h);
-                fields[1][i] = mul_add::<FUSED>(same[i], h, -by_e[i] * e);
-                fields[2][i] = mul_add::<FUSED>(same[i], f, by_h[i] * g);
-                fields[3][i] = mul_add::<FUSED>(same[i], g, -by_e[i] * f);
+                let [e, h, f, g] = [last[0][i], last[1][i], last[2][i], last[3][i]];
+                let e_after = mul_add::<FUSED>(kind.same[i], e, kind.by_h[i] * h);
+                let h_after = mul_add::<FUSED>(kind.same[i], h, -kind.by_e[i] * e);
+                let f_after = mul_add::<FUSED>(kind.same[i], f, kind.by_h[i] * g);
+                let g_after = mul_add::<FUSED>(kind.same[i], g, -kind.by_e[i] * f);
+                (last[0][i], last[1][i], last[2][i], last[3][i]) = (e_after, h_after, f_after, g_after);
+                (after[0][i], after[1][i], after[2][i], after[3][i]) = (e_after, h_after, f_after, g_after);
             }
-            let scale = (place % SCALED == SCALED - 1).then(|| {
-                let mut scale = ZERO;
+            if place % SCALED == SCALED - 1 {
+                let scale = &mut self.scales[place / SCALED];
                 for i in 0..BLOCK {
-                    let e = larger(fields[0][i].abs(), fields[2][i].abs());
-                    scale[i] = 1.0 / larger(e, larger(fields[1][i].abs(), fields[3][i].abs()));
-                    for part in &mut fields {
+                    let e = larger(last[0][i].abs(), last[2][i].abs());
+                    scale[i] = 1.0 / larger(e, larger(last[1][i].abs(), last[3][i].abs()));
+                    for part in &mut last {
                         part[i] *= scale[i];
                     }
                 }
-                scale
-            });
-            path.push((fields, scale));
+                *after = last;
+            }
         }
     }
 
+    /// dR/d(fields) where the light comes in, the factor `(D - N) / D²`, and N and its part by the ambient medium,
+    ///
+    /// ```text
+    /// dR = (D - N) / D² · (dN - N d(ln y Y_base)),   D = N + 4 y Y_base
+    /// ```
     #[inline(always)]
-    fn backwards<const FUSED: bool>(
-        &self,
-        layers: &Layers<'_>,
-        matrices: &[Matrix],
-        moves: &[f64],
-        order: &[usize],
-        path: &[(Pairs, Option<Block>)],
-        whole: &mut Whole,
-    ) {
-        let Some((last, _)) = path.last() else { return };
-        let mut slope: Pairs = [ZERO; 4];
-        // dR = (D - N) / D² · (dN - N d(ln y Y_base)),  D = N + 4 y Y_base
-        let (mut factor, mut numerator) = (ZERO, ZERO);
+    fn edge<const FUSED: bool>(&self, outside: &Block) -> (Pairs, Block, (Block, Block)) {
+        let (mut slope, mut factor, mut lost): (Pairs, _, _) = ([ZERO; 4], ZERO, (ZERO, ZERO));
+        let fields = &self.fields[self.fields.len() - 1];
         for i in 0..BLOCK {
-            let (y, [e, h, f, g]) = (self.outside[i], [last[0][i], last[1][i], last[2][i], last[3][i]]);
+            let (y, [e, h, f, g]) = (outside[i], [fields[0][i], fields[1][i], fields[2][i], fields[3][i]]);
             let (re, im) = (mul_add::<FUSED>(y, e, g), mul_add::<FUSED>(y, f, -h));
             let (other_re, other_im) = (mul_add::<FUSED>(y, e, -g), mul_add::<FUSED>(y, f, h));
-            numerator[i] = mul_add::<FUSED>(re, re, im * im);
+            let numerator = mul_add::<FUSED>(re, re, im * im);
             let inverse = 1.0 / mul_add::<FUSED>(other_re, other_re, other_im * other_im);
-            factor[i] = (1.0 - numerator[i] * inverse) * inverse;
-            for (slope, value) in slope.iter_mut().zip([y * re, -im, y * im, re]) {
-                slope[i] = 2.0 * factor[i] * value;
-            }
-            whole.outside[i] += factor[i] * (2.0 * y * mul_add::<FUSED>(re, e, im * f) - numerator[i]);
+            factor[i] = (1.0 - numerator * inverse) * inverse;
+            let twice = 2.0 * factor[i];
+            (slope[0][i], slope[1][i]) = (twice * y * re, -twice * im);
+            (slope[2][i], slope[3][i]) = (twice * y * im, twice * re);
+            lost.0[i] = numerator;
+            lost.1[i] = mul_add::<FUSED>(2.0 * y, mul_add::<FUSED>(re, e, im * f), -numerator);
         }
-        let mut after = ZERO;
-        for i in 0..BLOCK {
-            after[i] = mul_add::<FUSED>(slope[1][i], last[1][i], slope[3][i] * last[3][i]);
-        }
-        for (place, &kind) in order.iter().enumerate().rev() {
-            let (Some((fields, scale)), Some((before, _)), Some(&(medium, thickness))) =
-                (path.get(place + 1), path.get(place), layers.kinds.get(kind))
-            else {
-                return;
-            };
-            let (matrix, wave) = (&matrices[kind], &self.waves[medium]);
-            let (same, by_h, by_e) =
-                (&matrix.same.0, &matrix.by_h[self.polarization].0, &matrix.by_e[self.polarization].0);
-            let (y, z) = (&wave.admittances[self.polarization].0, &wave.impedances[self.polarization].0);
-            let (phase, length, admittance) =
-                (&mut whole.phase[medium], &mut whole.length[medium], &mut whole.admittance[medium]);
-            for i in 0..BLOCK {
-                let [e, h, f, g] = [slope[0][i], slope[1][i], slope[2][i], slope[3][i]];
-                let to_e = mul_add::<FUSED>(e, fields[1][i], f * fields[3][i]);
-                let to_h = mul_add::<FUSED>(h, fields[0][i], g * fields[2][i]);
-                let by_phase = mul_add::<FUSED>(z[i], to_e, -y[i] * to_h);
-                phase[i] = mul_add::<FUSED>(moves[kind], by_phase, phase[i]);
-                length[i] = mul_add::<FUSED>(thickness, by_phase, length[i]);
-                slope[0][i] = mul_add::<FUSED>(same[i], e, -by_e[i] * h);
-                slope[1][i] = mul_add::<FUSED>(same[i], h, by_h[i] * e);
-                slope[2][i] = mul_add::<FUSED>(same[i], f, -by_e[i] * g);
-                slope[3][i] = mul_add::<FUSED>(same[i], g, by_h[i] * f);
-            }
-            if let Some(scale) = scale {
-                for part in &mut slope {
-                    for i in 0..BLOCK {
-                        part[i] *= scale[i];
-                    }
-                }
-            }
-            for i in 0..BLOCK {
-                let own = mul_add::<FUSED>(slope[1][i], before[1][i], slope[3][i] * before[3][i]);
-                admittance[i] += after[i] - own;
-                after[i] = own;
-            }
-        }
-        let base = &self.base.admittances[self.polarization].0;
-        for i in 0..BLOCK {
-            whole.base[i] += mul_add::<FUSED>(-slope[3][i], base[i], -factor[i] * numerator[i]);
-        }
+        (slope, factor, lost)
     }
 }
 
