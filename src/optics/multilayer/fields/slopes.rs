@@ -68,10 +68,10 @@ pub(super) fn blocks<const FUSED: bool>(
             }
             base_relative[i] = change / (base.admittances[0].0[i] * base.admittances[0].0[i]);
         }
+        for (kind, &(medium, thickness)) in kinds.iter_mut().zip(layers.kinds) {
+            kind.set::<FUSED>(&waves[medium], thickness, &k);
+        }
         for polarization in [0, 1] {
-            for (kind, &(medium, thickness)) in kinds.iter_mut().zip(layers.kinds) {
-                kind.set::<FUSED>(&waves[medium], polarization, thickness, &k);
-            }
             let mut outside = ZERO;
             for i in 0..BLOCK {
                 outside[i] = if polarization == 0 { ambient[i] * cos } else { cos / ambient[i] };
@@ -79,7 +79,7 @@ pub(super) fn blocks<const FUSED: bool>(
             let behind = &base.admittances[polarization].0;
             let (mut sums, mut angles) = ([ZERO; 2], ZERO);
             for order in layers.each() {
-                path.forwards::<FUSED>(behind, &kinds, order);
+                path.forwards::<FUSED>(behind, &waves, polarization, (layers, &kinds), order);
                 let (mut slope, factor, lost) = path.edge::<FUSED>(&outside);
                 for i in 0..BLOCK {
                     angles[i] = mul_add::<FUSED>(-sin / cos, factor[i] * lost.1[i], angles[i]);
@@ -102,10 +102,11 @@ pub(super) fn blocks<const FUSED: bool>(
                         sum[i] = mul_add::<FUSED>(moved, by_phase, sum[i]);
                         let changed = mul_add::<FUSED>(thickness * turned[i], by_phase, angles[i]);
                         angles[i] = mul_add::<FUSED>(relative_here[i] - relative_next[i], by_admittance, changed);
-                        slope[0][i] = mul_add::<FUSED>(kind.same[i], e, -kind.by_e[i] * h);
-                        slope[1][i] = mul_add::<FUSED>(kind.same[i], h, kind.by_h[i] * e);
-                        slope[2][i] = mul_add::<FUSED>(kind.same[i], f, -kind.by_e[i] * g);
-                        slope[3][i] = mul_add::<FUSED>(kind.same[i], g, kind.by_h[i] * f);
+                        let (cos, by_h, by_e) = (kind.cos[i], kind.sin[i] * z[i], kind.sin[i] * y[i]);
+                        slope[0][i] = mul_add::<FUSED>(cos, e, -by_e * h);
+                        slope[1][i] = mul_add::<FUSED>(cos, h, by_h * e);
+                        slope[2][i] = mul_add::<FUSED>(cos, f, -by_e * g);
+                        slope[3][i] = mul_add::<FUSED>(cos, g, by_h * f);
                     }
                     if place % SCALED == SCALED - 1 {
                         let scale = &path.scales[place / SCALED];
@@ -138,24 +139,21 @@ pub(super) fn blocks<const FUSED: bool>(
     }
 }
 
-/// The matrix T of a kind of layer.
+/// Cosine and sine of the phase of a kind of layer.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
-    same: Block,
-    by_h: Block,
-    by_e: Block,
+    cos: Block,
+    sin: Block,
 }
 
 impl Kind {
-    const NONE: Self = Self { same: ZERO, by_h: ZERO, by_e: ZERO };
+    const NONE: Self = Self { cos: ZERO, sin: ZERO };
 
     #[inline(always)]
-    fn set<const FUSED: bool>(&mut self, wave: &Wave, polarization: usize, thickness: f64, k: &Block) {
-        let (y, z) = (&wave.admittances[polarization].0, &wave.impedances[polarization].0);
+    fn set<const FUSED: bool>(&mut self, wave: &Wave, thickness: f64, k: &Block) {
         let along = &wave.admittances[0].0;
         for i in 0..BLOCK {
-            let (sin, cos) = sin_cos_fused::<FUSED>(k[i] * thickness * along[i]);
-            (self.same[i], self.by_h[i], self.by_e[i]) = (cos, sin * z[i], sin * y[i]);
+            (self.sin[i], self.cos[i]) = sin_cos_fused::<FUSED>(k[i] * thickness * along[i]);
         }
     }
 }
@@ -169,7 +167,14 @@ struct Path {
 
 impl Path {
     #[inline(always)]
-    fn forwards<const FUSED: bool>(&mut self, behind: &Block, kinds: &[Kind], order: &[usize]) {
+    fn forwards<const FUSED: bool>(
+        &mut self,
+        behind: &Block,
+        waves: &[Wave; 2],
+        polarization: usize,
+        (layers, kinds): (&Layers<'_>, &[Kind]),
+        order: &[usize],
+    ) {
         self.fields.resize(order.len() + 1, [ZERO; 4]);
         self.scales.resize(order.len() / SCALED, ZERO);
         let mut last: Pairs = [[1.0; BLOCK], ZERO, ZERO, ZERO];
@@ -178,14 +183,16 @@ impl Path {
         }
         self.fields[0] = last;
         for (place, &number) in order.iter().enumerate() {
-            let kind = &kinds[number];
+            let (kind, wave) = (&kinds[number], &waves[layers.kinds[number].0]);
+            let (y, z) = (&wave.admittances[polarization].0, &wave.impedances[polarization].0);
             let after = &mut self.fields[place + 1];
             for i in 0..BLOCK {
                 let [e, h, f, g] = [last[0][i], last[1][i], last[2][i], last[3][i]];
-                let e_after = mul_add::<FUSED>(kind.same[i], e, kind.by_h[i] * h);
-                let h_after = mul_add::<FUSED>(kind.same[i], h, -kind.by_e[i] * e);
-                let f_after = mul_add::<FUSED>(kind.same[i], f, kind.by_h[i] * g);
-                let g_after = mul_add::<FUSED>(kind.same[i], g, -kind.by_e[i] * f);
+                let (cos, by_h, by_e) = (kind.cos[i], kind.sin[i] * z[i], kind.sin[i] * y[i]);
+                let e_after = mul_add::<FUSED>(cos, e, by_h * h);
+                let h_after = mul_add::<FUSED>(cos, h, -by_e * e);
+                let f_after = mul_add::<FUSED>(cos, f, by_h * g);
+                let g_after = mul_add::<FUSED>(cos, g, -by_e * f);
                 (last[0][i], last[1][i], last[2][i], last[3][i]) = (e_after, h_after, f_after, g_after);
                 (after[0][i], after[1][i], after[2][i], after[3][i]) = (e_after, h_after, f_after, g_after);
             }
