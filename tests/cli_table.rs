@@ -164,7 +164,7 @@ fn what_cannot_be_tabled_is_refused_and_leaves_nothing() {
 #[test]
 fn averages_are_computed_where_the_tolerance_needs_them() {
     let folder = TempDir::new().unwrap();
-    for (flags, computed) in [("--bandwidth 1", false), ("--layer-spread 0.5", false), ("--period-spread 20", true)] {
+    for (flags, computed) in [("--bandwidth 1", false), ("--period-spread 20", true)] {
         let told = succeeds(&folder, &format!("{SMALL} {flags} --out out"));
         let about = json(&folder, "out");
         let averages = &about["averages"];
