@@ -21,7 +21,9 @@ fn errors(found: &FitOutcome) -> [(f64, f64); 2] {
 #[test]
 fn an_average_that_is_modelled_leaves_no_bias_and_one_that_is_not_is_flagged() {
     let folder = TempDir::new().unwrap();
-    for average in ["--numerical-aperture 0.6", "--bandwidth 25", "--period-spread 8", "--tilt-spread 8"] {
+    let averages =
+        ["--numerical-aperture 0.6", "--bandwidth 25", "--period-spread 8", "--layer-spread 8", "--tilt-spread 8"];
+    for average in averages {
         succeeds(&folder, &format!("simulate {SPECTRUM} {average} --out made.csv"));
         succeeds(&folder, &format!("made.csv {KNOWN} {average} --out with"));
         for (error, sigma) in errors(&outcome(&folder, "with")) {
@@ -82,6 +84,9 @@ fn averages_out_of_range_are_refused() {
         "--bandwidth -3",
         "--tilt-spread 60",
         "--period-spread nan",
+        "--layer-spread -2",
+        "--model paper --layer-spread 5",
+        "--layers 2000 --layer-spread 5",
         "--numerical-aperture 0.3 --tilt-spread 2",
         "--model hybrid --tilt-spread 2",
     ] {

@@ -199,6 +199,7 @@ fn what_is_no_surface_is_refused_and_leaves_nothing() {
         ("--tolerance 0", 2, "not above 0"),
         ("--wavelengths 700:400", 2, "is not below"),
         ("--bandwidth 10", 2, "leave the averages"),
+        ("--layer-spread 5", 2, "leave the averages"),
         ("--lamella-width 900", 2, "lamella_width"),
     ] {
         let ended = run(&folder, &format!("bsdf --out here --tolerance 0.04 --directions 100 {flags}"));

@@ -142,16 +142,20 @@ fn the_averages_of_a_fit_that_are_the_instruments_are_left_out() {
     succeeds(&folder, "blue.csv --quiet --no-plots --model hybrid --fix d_air=141 --out plain");
     let file = folder.path().join("plain/fit.json");
     let mut fit: Value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
-    fit["settings"]["averages"] = serde_json::json!({ "bandwidth": 10.0, "period_spread": 5.0 });
+    fit["settings"]["averages"] = serde_json::json!({ "bandwidth": 10.0, "period_spread": 5.0, "layer_spread": 3.0 });
     fs::create_dir(folder.path().join("averaged")).unwrap();
     fs::write(folder.path().join("averaged/fit.json"), fit.to_string()).unwrap();
     let values = "--d-air 141 --d-cuticle 62 --lamella-width 300 --delta 0 --phi-alpha 0.2 --view 30 --exposure 1";
     let draws = |place: &str| succeeds(&folder, &format!("{SMALL} {place} {values}")).out;
     draws("plain");
     let told = draws("averaged");
-    assert!(told.contains("left out: bandwidth (the instrument's)") && told.contains("varies by 5 nm"), "{told}");
+    assert!(
+        told.contains("left out: bandwidth (the instrument's)") && told.contains("period varies by 5 nm"),
+        "{told}"
+    );
+    assert!(told.contains("each layer varies by 3 nm"), "{told}");
     assert!(picture(&folder, "plain/wing/view_30.png") != picture(&folder, "averaged/wing/view_30.png"));
-    let spread = succeeds(&folder, &format!("{SMALL} --period-spread 5 {values} --out spread"));
+    let spread = succeeds(&folder, &format!("{SMALL} --period-spread 5 --layer-spread 3 {values} --out spread"));
     assert!(!spread.out.contains("left out"), "{}", spread.out);
     assert_eq!(picture(&folder, "spread/view_30.png"), picture(&folder, "averaged/wing/view_30.png"));
 }

@@ -246,11 +246,12 @@ pub(crate) fn stack(args: &ModelArgs) -> Result<Stack> {
 }
 
 fn averages(args: &ModelArgs) -> Result<Averages> {
-    let AverageArgs { numerical_aperture, bandwidth, period_spread, tilt_spread } = args.averages;
+    let AverageArgs { numerical_aperture, bandwidth, period_spread, layer_spread, tilt_spread } = args.averages;
     let averages = Averages {
         numerical_aperture: numerical_aperture.unwrap_or_default(),
         bandwidth: bandwidth.unwrap_or_default(),
         period_spread: period_spread.unwrap_or_default(),
+        layer_spread: layer_spread.unwrap_or_default(),
         tilt_spread: radians(tilt_spread.unwrap_or_default()),
     };
     averages.validate().map_err(|problem| Usage(problem.to_string()))?;

@@ -75,13 +75,14 @@ impl Subject {
     }
 
     /// The surface of a fit by the hybrid model, which alone has directions outside one plane, with what is told of that. Of the
-    /// averages of the fit the spread of the period is the surface's, and stays if `spread`; the others are the instrument's,
+    /// averages of the fit the spreads of period and layers are the surface's, and stay if `spread`; the others are the instrument's,
     /// or have no place in this model.
     pub(crate) fn by_hybrid(&mut self, spread: bool) -> Result<Vec<String>> {
         let Some(fit) = &self.fit else { return Ok(Vec::new()) };
         let of_the_fit = fit.settings.averages;
-        let Averages { numerical_aperture, bandwidth, period_spread, tilt_spread } = of_the_fit;
-        let averages = Averages { period_spread: if spread { period_spread } else { 0.0 }, ..Averages::default() };
+        let Averages { numerical_aperture, bandwidth, period_spread, layer_spread, tilt_spread } = of_the_fit;
+        let none = Averages::default();
+        let averages = if spread { Averages { period_spread, layer_spread, ..none } } else { none };
         let mut told = Vec::new();
         let model = match self.model.join() {
             Join::Product { .. } => fit.settings.model,
@@ -99,6 +100,7 @@ impl Subject {
             ("bandwidth (the instrument's)", bandwidth > 0.0),
             ("spread of the tilt (hybrid has none)", tilt_spread > 0.0),
             ("spread of the period (a table is of equal layers)", period_spread > 0.0 && !spread),
+            ("spread of the layers (a table is of equal layers)", layer_spread > 0.0 && !spread),
         ]
         .into_iter()
         .filter_map(|(name, is_left)| is_left.then_some(name))
@@ -108,6 +110,9 @@ impl Subject {
         }
         if averages.period_spread > 0.0 {
             told.push(format!("the layers' period varies by {period_spread} nm, as in the fit"));
+        }
+        if averages.layer_spread > 0.0 {
+            told.push(format!("each layer varies by {layer_spread} nm, as in the fit"));
         }
         let settings = FitSettings { model, averages, ..fit.settings.clone() };
         self.model = settings.forward().map_err(|problem| Usage(problem.to_string()))?;
@@ -159,6 +164,7 @@ fn of_the_model(args: &SubjectArgs, default: ModelWord) -> Option<&'static str> 
         ("--numerical-aperture", model.averages.numerical_aperture.is_some()),
         ("--bandwidth", model.averages.bandwidth.is_some()),
         ("--period-spread", model.averages.period_spread.is_some()),
+        ("--layer-spread", model.averages.layer_spread.is_some()),
         ("--tilt-spread", model.averages.tilt_spread.is_some()),
         ("--filling", model.filling.is_some()),
         ("--layers", model.layers != LAYERS),

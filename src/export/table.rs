@@ -82,6 +82,7 @@ pub fn table_json(sheet: &TableSheet<'_>) -> Result<Vec<u8>, ExportError> {
             "numerical_aperture": averages.numerical_aperture,
             "bandwidth_nm": averages.bandwidth,
             "period_spread_nm": averages.period_spread,
+            "layer_spread_nm": averages.layer_spread,
             "tilt_spread_deg": rounded(averages.tilt_spread),
             "computed": !plane_waves,
             "difference_of_plane_waves": missed,

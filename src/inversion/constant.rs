@@ -28,13 +28,15 @@ pub enum Constant {
     Bandwidth,
     /// Standard deviation of the period over the spot.
     PeriodSpread,
+    /// Standard deviation of each layer's thickness by itself.
+    LayerSpread,
     /// Standard deviation of the tilt over the spot.
     TiltSpread,
 }
 
 impl Constant {
     /// All, in order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::NCuticle,
         Self::KCuticle,
         Self::NGap,
@@ -44,6 +46,7 @@ impl Constant {
         Self::NumericalAperture,
         Self::Bandwidth,
         Self::PeriodSpread,
+        Self::LayerSpread,
         Self::TiltSpread,
     ];
 
@@ -60,6 +63,7 @@ impl Constant {
             Self::NumericalAperture => "numerical_aperture",
             Self::Bandwidth => "bandwidth",
             Self::PeriodSpread => "period_spread",
+            Self::LayerSpread => "layer_spread",
             Self::TiltSpread => "tilt_spread",
         }
     }
@@ -74,7 +78,7 @@ impl Constant {
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
-            Self::RidgeSpacing | Self::Bandwidth | Self::PeriodSpread => "nm",
+            Self::RidgeSpacing | Self::Bandwidth | Self::PeriodSpread | Self::LayerSpread => "nm",
             Self::TiltSpread => "deg",
             _ => "",
         }
@@ -89,7 +93,7 @@ impl Constant {
             Self::Filling => (0.0, 1.0),
             Self::RidgeSpacing => (1.0, 1e6),
             Self::NumericalAperture => (0.0, 0.99),
-            Self::Bandwidth | Self::PeriodSpread => (0.0, 200.0),
+            Self::Bandwidth | Self::PeriodSpread | Self::LayerSpread => (0.0, 200.0),
             Self::TiltSpread => (0.0, units::degrees(0.5)),
         }
     }
@@ -116,6 +120,7 @@ impl Constant {
             Self::NumericalAperture => Some(averages.numerical_aperture),
             Self::Bandwidth => Some(averages.bandwidth),
             Self::PeriodSpread => Some(averages.period_spread),
+            Self::LayerSpread => Some(averages.layer_spread),
             Self::TiltSpread => Some(units::degrees(averages.tilt_spread)),
         }
     }
@@ -156,6 +161,7 @@ impl Constant {
             (Self::NumericalAperture, _) => averages.numerical_aperture = value,
             (Self::Bandwidth, _) => averages.bandwidth = value,
             (Self::PeriodSpread, _) => averages.period_spread = value,
+            (Self::LayerSpread, _) => averages.layer_spread = value,
             (Self::TiltSpread, _) => *averages = Averages { tilt_spread: units::radians(value), ..*averages },
             (Self::NCuticle | Self::KCuticle | Self::NGap | Self::NBase, None) => {}
         }

@@ -1,7 +1,7 @@
-//! What an instrument and a sample average over: a cone of light, a bandwidth, thicknesses and tilts that differ.
+//! What an instrument and a sample average over: a cone of light, a bandwidth, thicknesses, layers and tilts that differ.
 //!
 //! ```text
-//! R = mean over the cone, the band, the spread  of  R(wavelength + w, period + t, angle)
+//! R = mean over the cone, the band, the spreads  of  R(wavelength + w, period + t, angle; deviation of each layer)
 //! ```
 //!
 //! Each average is off until its width is above 0. They act on the stack of Model B, the sharpest function of the model; the
@@ -9,26 +9,21 @@
 //!
 //! Averages multiply, and each costs as many plane waves as it crosses fringes: their width is a share `1/M²` of the
 //! wavelength at the edge of a band, and the phases of oblique rays fall behind as the square of the aperture. The counts
-//! below hold R to 1e-3 (tests), most of it to 1e-4.
+//! below hold R to 1e-3 (tests), most of it to 1e-4. Layers that differ by themselves are too many for that: see their field.
 
-use crate::numerics::quadrature::{Node, even, normal_steps};
+mod cone;
+mod layers;
+
+use crate::numerics::quadrature::{Node, normal_steps};
 use crate::optics::error::{OpticsError, require};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
 use crate::optics::{Join, Media, ReflectivityModel, Stack};
 use crate::units::degrees;
+use cone::{Beam, Cone};
+use layers::{Disorder, MOST_LAYERS};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-/// Rays from the axis of the cone to its edge at least, and how many more for each layer and the numerical aperture.
-const RADIAL: [f64; 2] = [8.0, 1.5];
-/// How many more for the square of the numerical aperture, and for that and each layer where this is more: each layer adds to
-/// the path by which oblique rays fall behind. The last is for a cone about the normal, where more rays cost little.
-const BEHIND: [f64; 3] = [56.0, 9.0, 16.0];
-/// Rays from the axis to the edge at most.
-const RINGS: f64 = 512.0;
-/// Rays around half of the cone, whose other half is its mirror image in the plane of incidence: so many, and so many times the
-/// numerical aperture and the sine of incidence.
-const AROUND: [f64; 2] = [24.0, 160.0];
 /// Steps over a normal distribution for each `M²` times its relative width.
 const STEPS: f64 = 30.0;
 /// Steps at least and at most.
@@ -36,8 +31,6 @@ const FEWEST: usize = 16;
 const MOST: usize = 1024;
 /// Full width at half maximum of a normal distribution over its standard deviation.
 const WIDTH: f64 = 2.354_820_045_030_949;
-/// Step of the angle for the derivative of a ray's share of s, rad.
-const TURN: f64 = 1e-6;
 
 /// Widths that a reading is averaged over; 0 is no average.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -50,6 +43,21 @@ pub struct Averages {
     pub bandwidth: f64,
     /// Standard deviation of the period over the spot, nm; both layers in proportion; normal.
     pub period_spread: f64,
+    /// Standard deviation of each layer's thickness, of cuticle as of gap, nm: each by itself in every stack of the spot; normal,
+    /// and a layer that would be thinner than nothing is left out.
+    ///
+    /// R is the mean over 961 fixed stacks, smooth in structure and angle, and is off from the mean over all stacks by
+    ///
+    /// | spread, nm | 9 layers: root mean square, largest | 20 layers |
+    /// |---|---|---|
+    /// | 1 | 1e-4, 2e-3 | 3e-4, 4e-3 |
+    /// | 5 | 1e-3, 6e-3 | 2e-3, 1e-2 |
+    /// | 15 | 2e-3, 1e-2 | 4e-3, 2e-2 |
+    /// | 25 | 4e-3, 1e-2 | 4e-3, 2e-2 |
+    ///
+    /// against 262,144 random stacks in 384 readings of four structures at 0 to 75°, s and p, 385 to 729 nm. Beside other averages
+    /// each of their plane waves has a share of these stacks, 31 at least. In spectra a reading costs 2000 times that of equal layers.
+    pub layer_spread: f64,
     /// Standard deviation of the tilt over the spot, rad; normal. Not beside a numerical aperture.
     pub tilt_spread: f64,
 }
@@ -67,10 +75,11 @@ impl Averages {
     /// [`OpticsError::OutOfRange`] for a numerical aperture outside 0 to 0.99, a bandwidth or spread outside 0 to 200 nm, or a
     /// spread of the tilt outside 0 to 0.5 rad, or above 0 beside a numerical aperture.
     pub fn validate(&self) -> Result<(), OpticsError> {
-        let Self { numerical_aperture, bandwidth, period_spread, tilt_spread } = *self;
+        let Self { numerical_aperture, bandwidth, period_spread, layer_spread, tilt_spread } = *self;
         require((0.0..=0.99).contains(&numerical_aperture), "numerical aperture", numerical_aperture, "", "0 to 0.99")?;
         require((0.0..=200.0).contains(&bandwidth), "bandwidth", bandwidth, "nm", "0 to 200")?;
         require((0.0..=200.0).contains(&period_spread), "spread of the period", period_spread, "nm", "0 to 200")?;
+        require((0.0..=200.0).contains(&layer_spread), "spread of the layers", layer_spread, "nm", "0 to 200")?;
         let tilt = degrees(tilt_spread);
         require((0.0..=0.5).contains(&tilt_spread), "spread of the tilt", tilt, "deg", "0 to 28.6")?;
         let one = numerical_aperture <= 0.0 || tilt_spread <= 0.0;
@@ -93,38 +102,28 @@ impl Averages {
 pub struct AveragedModel {
     model: Box<dyn ReflectivityModel>,
     averages: Averages,
-    /// Square of the sine of each ring of rays over that of the outermost, with its share: of a cone about the normal.
-    about_normal: Vec<Node>,
-    /// The same of any other cone.
-    oblique: Vec<Node>,
-}
-
-/// One plane wave of a reading.
-#[derive(Debug, Clone, Copy)]
-struct Beam {
-    /// Angle from the normal of the layers in the ambient medium, rad.
-    angle: f64,
-    /// Its derivative by the angle of the cone's axis.
-    slope: f64,
-    /// Share of the light of either polarization that is the same of the ray itself; the rest is the other.
-    own: f64,
-    /// Its derivative by the angle of the cone's axis, 1/rad.
-    own_slope: f64,
-    share: f64,
+    cone: Cone,
+    /// The stacks of unequal layers; none where all are equal.
+    disorder: Option<Disorder>,
 }
 
 impl AveragedModel {
     /// `model` averaged over `averages`.
     ///
     /// # Errors
-    /// As [`Averages::validate`], and for a spread of the tilt of a model whose tilt moves the lobe alone.
+    /// As [`Averages::validate`], for a spread of the tilt of a model whose tilt moves the lobe alone, and for a spread of the
+    /// layers of a model that is not [exact](ReflectivityModel::is_exact) or has more than 1000.
     pub fn new(model: Box<dyn ReflectivityModel>, averages: Averages) -> Result<Self, OpticsError> {
         averages.validate()?;
         let tilted = model.join() == Join::Planes || averages.tilt_spread <= 0.0;
         require(tilted, "spread of the tilt of the hybrid model", degrees(averages.tilt_spread), "deg", "0")?;
-        let (layers, aperture) = (model.stack().layers, averages.numerical_aperture);
-        let [about_normal, oblique] = [BEHIND[2], BEHIND[1]].map(|of_layer| rings(layers, aperture, of_layer));
-        Ok(Self { model, averages, about_normal, oblique })
+        let (layers, spread) = (model.stack().layers, averages.layer_spread);
+        let exact = model.is_exact() || spread <= 0.0;
+        require(exact, "spread of the layers of a model of printed formulas", spread, "nm", "0")?;
+        require(layers <= MOST_LAYERS || spread <= 0.0, "spread of more than 1000 layers", spread, "nm", "0")?;
+        let cone = Cone::new(layers, averages.numerical_aperture);
+        let disorder = (spread > 0.0).then(|| Disorder::new(layers, spread));
+        Ok(Self { model, averages, cone, disorder })
     }
 
     /// Steps over a normal distribution whose width is `relative` to the wavelength or period.
@@ -142,9 +141,8 @@ impl AveragedModel {
 
     /// The plane waves about `angle` for each tilt and ray.
     fn beams(&self, ambient: f64, angle: f64) -> Vec<Beam> {
-        let aperture = self.averages.numerical_aperture;
-        if aperture > 0.0 {
-            return self.cone(ambient, angle, aperture);
+        if self.averages.numerical_aperture > 0.0 {
+            return self.cone.beams(ambient, angle);
         }
         let spread = self.averages.tilt_spread;
         // Relative change of the optical path with the angle, to second order.
@@ -158,63 +156,6 @@ impl AveragedModel {
         };
         self.steps(relative).into_iter().map(beam).collect()
     }
-
-    fn cone(&self, ambient: f64, angle: f64, aperture: f64) -> Vec<Beam> {
-        let sine = |ring: &Node| (aperture / ambient * (0.5 * (1.0 + ring.at)).sqrt()).min(1.0);
-        if angle.sin().abs() < f64::EPSILON {
-            // All azimuths are one, with half of either polarization; what one side gains by a turn the other loses.
-            let beam = |ring: &Node| Beam {
-                angle: sine(ring).asin(),
-                slope: 0.0,
-                own: 0.5,
-                own_slope: 0.0,
-                share: ring.share,
-            };
-            return self.about_normal.iter().map(beam).collect();
-        }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "32 to 256")]
-        let around = (AROUND[0] + AROUND[1] * aperture * angle.sin().abs()).ceil() as usize;
-        let around = around.next_power_of_two();
-        let mut beams = Vec::with_capacity(around * self.oblique.len());
-        for ring in &self.oblique {
-            for step in 0..around {
-                #[allow(clippy::cast_precision_loss, reason = "a few rays")]
-                let (azimuth, share) = (PI * (step as f64 + 0.5) / around as f64, ring.share / around as f64);
-                let [(below, own_below), (at, own), (above, own_above)] =
-                    [angle - TURN, angle, angle + TURN].map(|angle| ray(angle, sine(ring), azimuth));
-                let (slope, own_slope) = ((above - below) / (2.0 * TURN), (own_above - own_below) / (2.0 * TURN));
-                beams.push(Beam { angle: at, slope, own, own_slope, share });
-            }
-        }
-        beams
-    }
-}
-
-/// The rings of a cone of `aperture` that falls on `layers`.
-fn rings(layers: usize, aperture: f64, of_layer: f64) -> Vec<Node> {
-    #[allow(clippy::cast_precision_loss, reason = "a layer count is small")]
-    let layers = layers as f64;
-    let count = RADIAL[0] + RADIAL[1] * layers * aperture + BEHIND[0].max(of_layer * layers) * aperture * aperture;
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "8 to 512")]
-    even(count.ceil().min(RINGS) as usize)
-}
-
-/// Angle from the layers' normal of the ray of `azimuth` whose angle from the axis has the sine `sine`, and the share of its
-/// light that is s there if the pupil is lit with s, or p if with p; the axis is at `angle`.
-fn ray(angle: f64, sine: f64, azimuth: f64) -> (f64, f64) {
-    let ((sin, cos), cosine) = (angle.sin_cos(), (1.0 - sine * sine).sqrt());
-    let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();
-    // Frame: the layers' normal is z, the axis (sin, 0, cos), x' = (-cos, 0, sin) and y across the plane of incidence.
-    let direction =
-        [sine * cos_azimuth * -cos + cosine * sin, sine * sin_azimuth, cosine * cos + sine * cos_azimuth * sin];
-    let polar =
-        [cosine * cos_azimuth * -cos - sine * sin, cosine * sin_azimuth, cosine * cos_azimuth * sin - sine * cos];
-    let azimuthal = [sin_azimuth * cos, cos_azimuth, -sin_azimuth * sin];
-    // An objective turns each ray's field about the azimuthal direction: the pupil's y is cos and sin of the azimuth in the two.
-    let field: [f64; 3] = std::array::from_fn(|axis| cos_azimuth * azimuthal[axis] + sin_azimuth * polar[axis]);
-    let across = direction[0].hypot(direction[1]);
-    let along_s = if across > 0.0 { (field[1] * direction[0] - field[0] * direction[1]) / across } else { 1.0 };
-    (across.atan2(direction[2]), along_s * along_s)
 }
 
 /// Both layers of a period longer by `by` nm in proportion, and the derivative of the factor by either thickness.
@@ -254,6 +195,37 @@ impl AveragedModel {
             }
         }
         shifts
+    }
+
+    /// R of plane waves of which this is one of so many nodes, of stacks whose layers are as unequal as they are.
+    fn plane_waves(
+        &self,
+        media: &[Media],
+        wavenumbers: &[f64],
+        (period, angle): (Period, f64),
+        node: (usize, usize),
+        out: &mut [SAndP],
+    ) -> Result<(), OpticsError> {
+        let Some(disorder) = &self.disorder else {
+            return self.model.stack_reflectivities(media, wavenumbers, period, angle, out);
+        };
+        disorder.reflectivities(media, wavenumbers, (period, angle), node, out);
+        Ok(())
+    }
+
+    /// Their derivatives; `false` where there are none in exact form.
+    fn plane_wave_slopes(
+        &self,
+        media: &[Media],
+        wavenumbers: &[f64],
+        (period, angle): (Period, f64),
+        node: (usize, usize),
+        out: &mut [StackSlopes],
+    ) -> bool {
+        let Some(disorder) = &self.disorder else {
+            return self.model.stack_slopes(media, wavenumbers, period, angle, out);
+        };
+        disorder.slopes(media, wavenumbers, (period, angle), node, out)
     }
 }
 
@@ -305,12 +277,13 @@ impl ReflectivityModel for AveragedModel {
         };
         out.fill(SAndP::default());
         let mut one = vec![SAndP::default(); wavenumbers.len()];
-        let beams = self.beams(ambient, angle);
-        for (band, longer_by, share) in self.shifts(wavenumbers, period) {
+        let (beams, shifts) = (self.beams(ambient, angle), self.shifts(wavenumbers, period));
+        for (place, &(band, longer_by, share)) in shifts.iter().enumerate() {
             let (period, ..) = longer(period, longer_by);
             let shifted = shifted(wavenumbers, band);
-            for beam in &beams {
-                self.model.stack_reflectivities(media, &shifted, period, beam.angle, &mut one)?;
+            for (number, beam) in beams.iter().enumerate() {
+                let node = (place * beams.len() + number, shifts.len() * beams.len());
+                self.plane_waves(media, &shifted, (period, beam.angle), node, &mut one)?;
                 let (own, other) = (share * beam.share * beam.own, share * beam.share * (1.0 - beam.own));
                 for (out, one) in out.iter_mut().zip(&one) {
                     out.s += own * one.s + other * one.p;
@@ -337,13 +310,16 @@ impl ReflectivityModel for AveragedModel {
         out.fill(StackSlopes::default());
         let mut one = vec![StackSlopes::default(); wavenumbers.len()];
         let mut values = vec![SAndP::default(); wavenumbers.len()];
-        let beams = self.beams(ambient, angle);
-        for (band, longer_by, share) in self.shifts(wavenumbers, period) {
+        let (beams, shifts) = (self.beams(ambient, angle), self.shifts(wavenumbers, period));
+        for (place, &(band, longer_by, share)) in shifts.iter().enumerate() {
             let (longer, factor, slope) = longer(period, longer_by);
             let shifted = shifted(wavenumbers, band);
-            for beam in &beams {
-                if !self.model.stack_slopes(media, &shifted, longer, beam.angle, &mut one)
-                    || self.model.stack_reflectivities(media, &shifted, longer, beam.angle, &mut values).is_err()
+            for (number, beam) in beams.iter().enumerate() {
+                let node = (place * beams.len() + number, shifts.len() * beams.len());
+                // The values are for what a turn exchanges between the polarizations.
+                let turns = beam.own_slope.abs() > 0.0;
+                if !self.plane_wave_slopes(media, &shifted, (longer, beam.angle), node, &mut one)
+                    || turns && self.plane_waves(media, &shifted, (longer, beam.angle), node, &mut values).is_err()
                 {
                     return false;
                 }

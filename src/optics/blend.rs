@@ -34,6 +34,10 @@ impl ReflectivityModel for BlendModel {
         &self.stack
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
         Ok(multilayer::reflectivity_unchecked(media, period, self.stack.layers, angle))
     }

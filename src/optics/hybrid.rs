@@ -135,6 +135,10 @@ impl ReflectivityModel for HybridModel {
         require(SPACINGS.contains(&found), "ridge spacing", found, "nm", "1 to 1e6")
     }
 
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     fn stack_reflectivity(&self, media: &Media, period: Period, angle: f64) -> Result<SAndP, OpticsError> {
         Ok(multilayer::reflectivity_unchecked(media, period, self.stack.layers, angle))
     }

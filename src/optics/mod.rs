@@ -11,7 +11,7 @@
 //! [`BlendModel`] is the paper's structure with its physics put right, [`PaperModel`] the printed formulas.
 //! [`HybridModel`] is one product that holds both planes. Each is a [`ReflectivityModel`], whose terms are named
 //! [`Contribution`]s. [`AveragedModel`] takes the mean of any of them over what an instrument or a sample averages. What is
-//! left out: scattering between ridges, roughness, and layers that differ within one stack.
+//! left out: scattering between ridges, and roughness.
 
 mod averages;
 mod blend;
@@ -97,6 +97,11 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// Derivative of [`lamella_factor`](Self::lamella_factor) by the width, 1/nm.
     fn lamella_factor_slope(&self, _lamella_width: f64) -> f64 {
         0.0
+    }
+
+    /// Whether the stack reflects what [`multilayer`] says, so that an average may take layers that differ.
+    fn is_exact(&self) -> bool {
+        false
     }
 
     /// Reflectivity of the stack at `angle = theta - delta` (rad) from the normal of its layers.

@@ -14,8 +14,8 @@ use pyo3::types::PyDict;
 /// Fits a constant of the model beside the parameters, as the command's `constant`.
 ///
 /// constant: "n_cuticle", "k_cuticle", "n_gap", "n_base", "filling", "ridge_spacing" (nm), "numerical_aperture", "bandwidth" (nm),
-/// "period_spread" (nm) or "tilt_spread" (degrees), searched from low to high. data and settings as in fit(). Returns
-/// constant.json as dicts and lists: value, interval_68, interval_95, quantities with the intervals that allow for it, fit.
+/// "period_spread" (nm), "layer_spread" (nm) or "tilt_spread" (degrees), searched from low to high. data and settings as in
+/// fit(). Returns constant.json as dicts and lists: value, interval_68, interval_95, quantities with the intervals that allow for it, fit.
 ///
 /// Raises DataError, FitError, OpticsError, OSError, ValueError. Ctrl-C ends it.
 #[pyfunction]

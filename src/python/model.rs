@@ -195,8 +195,9 @@ impl Stack {
 
 /// What a reading of the multilayer is averaged over; 0 is no average.
 ///
-/// numerical_aperture 0 to 0.99; bandwidth, full width at half maximum, nm; period_spread, standard deviation, nm;
-/// tilt_spread, standard deviation, degrees.
+/// numerical_aperture 0 to 0.99; bandwidth, full width at half maximum, nm; period_spread and
+/// layer_spread, standard deviations of the period over the spot and of each layer by itself, nm; tilt_spread, standard
+/// deviation, degrees.
 #[pyclass(frozen, eq, module = "morpho_fit", from_py_object)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Averages {
@@ -206,16 +207,17 @@ pub(crate) struct Averages {
 #[pymethods]
 impl Averages {
     #[new]
-    #[pyo3(signature = (*, numerical_aperture=0.0, bandwidth=0.0, period_spread=0.0, tilt_spread=0.0))]
+    #[pyo3(signature = (*, numerical_aperture=0.0, bandwidth=0.0, period_spread=0.0, layer_spread=0.0, tilt_spread=0.0))]
     fn new(
         py: Python<'_>,
         numerical_aperture: f64,
         bandwidth: f64,
         period_spread: f64,
+        layer_spread: f64,
         tilt_spread: f64,
     ) -> PyResult<Self> {
-        let averages =
-            optics::Averages { numerical_aperture, bandwidth, period_spread, tilt_spread: radians(tilt_spread) };
+        let tilt_spread = radians(tilt_spread);
+        let averages = optics::Averages { numerical_aperture, bandwidth, period_spread, layer_spread, tilt_spread };
         averages.validate().map_err(|error| of_optics(py, &error, None))?;
         Ok(Self { averages })
     }
@@ -238,6 +240,12 @@ impl Averages {
         self.averages.period_spread
     }
 
+    /// Standard deviation of each layer's thickness by itself, nm.
+    #[getter]
+    fn layer_spread(&self) -> f64 {
+        self.averages.layer_spread
+    }
+
     /// Standard deviation of the tilt, degrees.
     #[getter]
     fn tilt_spread(&self) -> f64 {
@@ -246,10 +254,10 @@ impl Averages {
     }
 
     fn __repr__(&self) -> String {
-        let [aperture, band, period, tilt] =
-            [self.numerical_aperture(), self.bandwidth(), self.period_spread(), self.tilt_spread()];
+        let (aperture, band) = (self.numerical_aperture(), self.bandwidth());
+        let (period, layer, tilt) = (self.period_spread(), self.layer_spread(), self.tilt_spread());
         format!(
-            "Averages(numerical_aperture={aperture:?}, bandwidth={band:?}, period_spread={period:?}, tilt_spread={tilt:?})"
+            "Averages(numerical_aperture={aperture:?}, bandwidth={band:?}, period_spread={period:?}, layer_spread={layer:?}, tilt_spread={tilt:?})"
         )
     }
 }

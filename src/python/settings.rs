@@ -62,7 +62,7 @@ impl<'py> Keywords<'py> {
             "layers" | "n_cuticle" | "n_gap" | "n_base" | "n_ambient" | "filling" => {
                 "; give model=Model(stack=Stack(...))"
             }
-            "numerical_aperture" | "bandwidth" | "period_spread" | "tilt_spread" => {
+            "numerical_aperture" | "bandwidth" | "period_spread" | "layer_spread" | "tilt_spread" => {
                 "; give model=Model(averages=Averages(...))"
             }
             "snell" | "admittance" | "lamella_unit" | "ridge_spacing" => "; give model=Model(...)",

@@ -50,6 +50,7 @@ fn cases() -> Result<Vec<Case>, OpticsError> {
     for (name, averages) in [
         ("bandwidth 10 nm", Averages { bandwidth: 10.0, ..none }),
         ("period spread 5 nm", Averages { period_spread: 5.0, ..none }),
+        ("layer spread 5 nm", Averages { layer_spread: 5.0, ..none }),
         ("tilt spread 3°", Averages { tilt_spread: radians(3.0), ..none }),
         ("aperture 0.4", Averages { numerical_aperture: 0.4, ..none }),
     ] {

@@ -171,8 +171,8 @@ def test_what_is_in_a_model_can_be_read_off_it() -> None:
         "Stack(layers=3, n_cuticle=1.5+0.1j, n_gap=1.0, n_base=Cauchy(1.5, 4000.0), n_ambient=1.0, filling=0.5)"
     )
     assert eval(repr(stack)) == stack
-    averages = Averages(bandwidth=10, tilt_spread=3)
-    assert eval(repr(averages)) == averages and averages.tilt_spread == 3
+    averages = Averages(bandwidth=10, layer_spread=4, tilt_spread=3)
+    assert eval(repr(averages)) == averages and (averages.layer_spread, averages.tilt_spread) == (4, 3)
     averages = Averages(bandwidth=10)
     model = Model("hybrid", stack=stack, averages=averages, ridge_spacing=800)
     assert (model.stack, model.averages, model.ridge_spacing) == (stack, averages, 800)

@@ -11,7 +11,7 @@ pub(crate) struct ConstantArgs {
     #[command(flatten)]
     pub(crate) problem: ProblemArgs,
     /// The constant, and between which values: n_cuticle, k_cuticle, n_gap, n_base, filling, ridge_spacing (nm),
-    /// numerical_aperture, bandwidth (nm), period_spread (nm) or tilt_spread (deg).
+    /// numerical_aperture, bandwidth (nm), period_spread (nm), layer_spread (nm) or tilt_spread (deg).
     #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = varied, required = true, help_heading = "Constant")]
     pub(crate) vary: Vec<Varied>,
     #[command(flatten)]

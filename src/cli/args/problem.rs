@@ -116,6 +116,9 @@ pub(crate) struct AverageArgs {
     /// Standard deviation of the period over the spot, nm; both layers in proportion.
     #[arg(long, value_name = "NM", value_parser = values::not_negative, allow_negative_numbers = true)]
     pub(crate) period_spread: Option<f64>,
+    /// Standard deviation of each layer by itself, cuticle as gap, nm: stacks of unequal layers within the spot; not for `paper`.
+    #[arg(long, value_name = "NM", value_parser = values::not_negative, allow_negative_numbers = true)]
+    pub(crate) layer_spread: Option<f64>,
     /// Standard deviation of the tilt over the spot, degrees; not beside an aperture, and not for `hybrid`.
     #[arg(long, value_name = "DEG", value_parser = values::not_negative, allow_negative_numbers = true)]
     pub(crate) tilt_spread: Option<f64>,

@@ -65,6 +65,7 @@ fn hybrid(model: &ModelArgs, subject: &Subject) -> Result<HybridModel, Usage> {
     let averaged = averages.numerical_aperture.is_some()
         || averages.bandwidth.is_some()
         || averages.period_spread.is_some()
+        || averages.layer_spread.is_some()
         || averages.tilt_spread.is_some();
     if averaged {
         let problem =

@@ -46,8 +46,13 @@ impl Stage {
         let choice = BsdfChoiceArgs::within(args.mitsuba.bsdf_tolerance);
         let Tables { mut lines, files: surfaces, .. } = tables(&choice, &args.subject.model, subject, progress)
             .map_err(|error| smaller(error, "raise --bsdf-tolerance"))?;
-        if subject.fit.as_ref().is_some_and(|fit| fit.settings.averages.period_spread > 0.0) {
-            lines.push(format!("{FOLDER}: its `.bsdf` files are of equal layers, without the spread of the period"));
+        let averages = subject.fit.as_ref().map(|fit| fit.settings.averages).unwrap_or_default();
+        for (width, spread) in [(averages.period_spread, "period"), (averages.layer_spread, "layers")] {
+            if width > 0.0 {
+                lines.push(format!(
+                    "{FOLDER}: its `.bsdf` files are of equal layers, without the spread of the {spread}"
+                ));
+            }
         }
         let (size, samples) = (args.scene.size, usize::from(args.scene.samples).pow(2));
         let (mesh, layers, views) = (&self.mesh, &self.layers, args.scene.view.as_slice());

@@ -3,6 +3,7 @@
 use super::*;
 use crate::optics::BlendModel;
 use approx::assert_abs_diff_eq;
+use std::f64::consts::PI;
 
 const PERIOD: Period = Period { cuticle: 62.0, gap: 141.0 };
 

@@ -12,12 +12,15 @@
 //! What equal layers share is computed once; wavelengths go in blocks without a branch, as in [`super::lanes`].
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
+mod slopes;
+
 use crate::numerics::exponential::decay;
 use crate::numerics::fused::{fused_or_not, mul_add};
 use crate::numerics::trigonometry::sin_cos_fused;
 use crate::optics::multilayer::SAndP;
 use multiversion::multiversion;
 use nalgebra::Complex;
+pub(crate) use slopes::slopes;
 
 /// Wavelengths that go together.
 const BLOCK: usize = 16;
@@ -42,12 +45,20 @@ pub(crate) struct Layers<'a> {
     pub(crate) media: &'a [&'a [Complex<f64>]],
     /// Medium and thickness (nm) of each kind of layer.
     pub(crate) kinds: &'a [(usize, f64)],
-    /// Kinds from the base to the light, to be repeated so many times.
+    /// Kinds from the base to the light, to be repeated so many times; of several stacks of equally many layers one after the
+    /// other.
     pub(crate) order: &'a [usize],
     pub(crate) repeats: usize,
+    /// How many stacks: R is their mean.
+    pub(crate) stacks: usize,
 }
 
 impl Layers<'_> {
+    /// The kinds of each stack.
+    pub(crate) fn each(&self) -> impl Iterator<Item = &[usize]> {
+        self.order.chunks((self.order.len() / self.stacks.max(1)).max(1))
+    }
+
     /// Whether every phase at wavenumbers up to `largest` is small enough.
     pub(crate) fn has_short_phases(&self, largest: f64) -> bool {
         let inside = |kind: &(usize, f64)| {
@@ -58,7 +69,8 @@ impl Layers<'_> {
     }
 }
 
-/// R at each of `wavenumbers` (`2 pi / wavelength`, 1/nm) for light at an angle of this cosine, above 0, in the ambient medium.
+/// R at each of `wavenumbers` (`2 pi / wavelength`, 1/nm) for light at an angle of this cosine, above 0, in the ambient medium;
+/// of several stacks the mean.
 #[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
 pub(crate) fn values(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64], out: &mut [SAndP]) {
     fused_or_not!(blocks(layers, cos, wavenumbers, out));
@@ -71,6 +83,8 @@ fn blocks<const FUSED: bool>(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64],
     let (mut kept, mut met) = (vec![Matrix::NONE; layers.kinds.len().min(KEPT)], Matrix::NONE);
     let mut base = Wave::NONE;
     let mut ambient = [1.0; BLOCK];
+    #[allow(clippy::cast_precision_loss, reason = "a count of stacks is small")]
+    let stacks = layers.stacks as f64;
     for (number, (chunk, out)) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)).enumerate() {
         let start = number * BLOCK;
         if number == 0 || !same {
@@ -86,29 +100,35 @@ fn blocks<const FUSED: bool>(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64],
         for (matrix, &(medium, thickness)) in kept.iter_mut().zip(layers.kinds) {
             matrix.set::<FUSED>(&waves[medium], thickness, &k);
         }
-        let mut fields = Fields::behind(&base);
-        let mut unscaled = 0;
-        for &kind in std::iter::repeat_n(layers.order, layers.repeats).flatten() {
-            let matrix = if kind < kept.len() {
-                &kept[kind]
-            } else {
-                let (medium, thickness) = layers.kinds[kind];
-                met.set::<FUSED>(&waves[medium], thickness, &k);
-                &met
-            };
-            if matrix.real {
-                fields.pass_real::<FUSED>(matrix);
-            } else {
-                fields.pass::<FUSED>(matrix);
+        let mut sum = [SAndP::default(); BLOCK];
+        for order in layers.each() {
+            let mut fields = Fields::behind(&base);
+            let mut unscaled = 0;
+            for &kind in std::iter::repeat_n(order, layers.repeats).flatten() {
+                let matrix = if kind < kept.len() {
+                    &kept[kind]
+                } else {
+                    let (medium, thickness) = layers.kinds[kind];
+                    met.set::<FUSED>(&waves[medium], thickness, &k);
+                    &met
+                };
+                if matrix.real {
+                    fields.pass_real::<FUSED>(matrix);
+                } else {
+                    fields.pass::<FUSED>(matrix);
+                }
+                unscaled += 1;
+                if unscaled == SCALED {
+                    fields.scale();
+                    unscaled = 0;
+                }
             }
-            unscaled += 1;
-            if unscaled == SCALED {
-                fields.scale();
-                unscaled = 0;
+            for (sum, found) in sum.iter_mut().zip(fields.reflectivity(&ambient, cos)) {
+                *sum = SAndP { s: sum.s + found.s, p: sum.p + found.p };
             }
         }
-        let found = fields.reflectivity(&ambient, cos);
-        out.copy_from_slice(&found[..out.len()]);
+        let mean = |sum: &SAndP| SAndP { s: sum.s / stacks, p: sum.p / stacks };
+        out.iter_mut().zip(&sum).for_each(|(out, sum)| *out = mean(sum));
     }
 }
 

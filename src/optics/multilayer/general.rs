@@ -125,6 +125,7 @@ impl Indices {
             kinds: &self.kinds,
             order: &self.order,
             repeats: 1,
+            stacks: 1,
         };
         reflectivities_unchecked(&layers, wavenumbers, angle, out);
     }
@@ -155,13 +156,15 @@ pub(crate) fn reflectivities_unchecked(layers: &Layers<'_>, wavenumbers: &[f64],
 /// The scalar form, whose phases may be of any size.
 fn one_by_one(layers: &Layers<'_>, place: usize, wavenumber: f64, angle: f64) -> SAndP {
     let at = |row: &[Complex<f64>]| row.get(place).or(row.first()).copied().unwrap_or_default();
-    let of = |component| {
-        let films = std::iter::repeat_n(layers.order, layers.repeats).flatten().map(|&kind| {
+    let one = |order, component| {
+        let films = std::iter::repeat_n(order, layers.repeats).flatten().map(|&kind: &usize| {
             let (medium, thickness) = layers.kinds[kind];
             Layer { index: at(layers.media[medium]), thickness }
         });
         let wavelength = std::f64::consts::TAU / wavenumber;
         amplitude::from_base(at(layers.ambient).re, films, at(layers.base), wavelength, angle, component).reflectivity
     };
+    #[allow(clippy::cast_precision_loss, reason = "a count of stacks is small")]
+    let of = |component| layers.each().map(|order| one(order, component)).sum::<f64>() / layers.stacks as f64;
     SAndP { s: of(Component::S), p: of(Component::P) }
 }

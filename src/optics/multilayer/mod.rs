@@ -200,16 +200,73 @@ pub(crate) fn reflectivities_unchecked(
         lanes::values(media, &incidences, period, layers, Rules::Each, wavenumbers, out);
         return;
     }
+    let order =
+        Order { kinds: &[(GAP, period.gap), (CUTICLE, period.cuticle)], order: &[0, 1], repeats: layers, stacks: 1 };
+    ordered_unchecked(media, wavenumbers, order, angle, out);
+}
+
+/// The gap among the media of [`Order`].
+pub(crate) const GAP: usize = 0;
+/// The cuticle.
+pub(crate) const CUTICLE: usize = 1;
+
+/// Layers of gap and cuticle in any order, as those of [`Layers`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Order<'a> {
+    /// [`GAP`] or [`CUTICLE`], and thickness (nm), of each kind of layer.
+    pub(crate) kinds: &'a [(usize, f64)],
+    pub(crate) order: &'a [usize],
+    pub(crate) repeats: usize,
+    pub(crate) stacks: usize,
+}
+
+/// [`reflectivities_unchecked`] of layers in any order; of several stacks the mean.
+pub(crate) fn ordered_unchecked(
+    media: &[Media],
+    wavenumbers: &[f64],
+    layers: Order<'_>,
+    angle: f64,
+    out: &mut [SAndP],
+) {
+    with_layers(media, layers, |layers| general::reflectivities_unchecked(layers, wavenumbers, angle, out));
+}
+
+/// Derivatives of [`ordered_unchecked`] of stacks that are met once each; `false`, and nothing written, where a medium absorbs, a
+/// wave does not travel, or a phase is too large for vector code.
+///
+/// - `moves`: 1 for each kind of layer that is as much thicker as the thickness by which the derivative is, 0 for one that stays.
+pub(crate) fn ordered_slopes_unchecked(
+    media: &[Media],
+    wavenumbers: &[f64],
+    (layers, moves): (Order<'_>, &[f64]),
+    angle: f64,
+    slopes: &mut [StackSlopes],
+) -> bool {
+    if media.is_empty() || traveling(media, angle).is_none() {
+        return false;
+    }
+    with_layers(media, layers, |layers| {
+        let short = layers.has_short_phases(wavenumbers.iter().copied().fold(0.0, f64::max));
+        if short {
+            fields::slopes(layers, moves, angle.sin_cos(), wavenumbers, slopes);
+        }
+        short
+    })
+}
+
+/// What `work` makes of the layers in these media.
+fn with_layers<T>(media: &[Media], layers: Order<'_>, work: impl FnOnce(&Layers<'_>) -> T) -> T {
     let row = |index: fn(&Media) -> Complex<f64>| media.iter().map(index).collect::<Vec<_>>();
-    let layers = Layers {
+    let Order { kinds, order, repeats, stacks } = layers;
+    work(&Layers {
         ambient: &row(|media| Complex::new(media.ambient, 0.0)),
         base: &row(|media| media.base),
         media: &[&row(|media| media.gap), &row(|media| media.cuticle)],
-        kinds: &[(0, period.gap), (1, period.cuticle)],
-        order: &[0, 1],
-        repeats: layers,
-    };
-    general::reflectivities_unchecked(&layers, wavenumbers, angle, out);
+        kinds,
+        order,
+        repeats,
+        stacks,
+    })
 }
 
 /// [`reflectivities_unchecked`] with their derivatives; `false`, and nothing written, where a medium absorbs or a wave does not

@@ -164,6 +164,7 @@ class Averages:
         numerical_aperture: float = 0.0,
         bandwidth: float = 0.0,
         period_spread: float = 0.0,
+        layer_spread: float = 0.0,
         tilt_spread: float = 0.0,
     ) -> Averages: ...
     @property
@@ -172,6 +173,8 @@ class Averages:
     def bandwidth(self) -> float: ...
     @property
     def period_spread(self) -> float: ...
+    @property
+    def layer_spread(self) -> float: ...
     @property
     def tilt_spread(self) -> float: ...
 
@@ -271,6 +274,7 @@ def fit_constant(
         "numerical_aperture",
         "bandwidth",
         "period_spread",
+        "layer_spread",
         "tilt_spread",
     ],
     low: float,

@@ -35,10 +35,12 @@ pub(super) fn settings(settings: &FitSettings) -> String {
         rows.push(("filling of the layers", filling.to_string()));
     }
     if !averages.is_none() {
-        let (spread, tilt) = (averages.period_spread, rounded(degrees(averages.tilt_spread)));
+        let (period, layer, tilt) =
+            (averages.period_spread, averages.layer_spread, rounded(degrees(averages.tilt_spread)));
         let (aperture, band) = (averages.numerical_aperture, averages.bandwidth);
-        let all = format!("numerical aperture {aperture}, band {band} nm, period ± {spread} nm, tilt ± {tilt} deg");
-        rows.push(("averages", all));
+        let instrument = format!("numerical aperture {aperture}, band {band} nm");
+        let spot = format!("period ± {period} nm, each layer ± {layer} nm, tilt ± {tilt} deg");
+        rows.push(("averages", format!("{instrument}, {spot}")));
     }
     if !required.is_empty() {
         let names: Vec<&str> = required.iter().map(|parameter| parameter.name()).collect();

@@ -77,6 +77,7 @@ impl Drawn {
             kinds: &self.kinds,
             order: &self.order,
             repeats: self.repeats,
+            stacks: 1,
         };
         let mut out = vec![SAndP::default(); COUNT];
         if portable {
