@@ -8,7 +8,7 @@ use morpho_fit::geometry::Polarization;
 use morpho_fit::optics::{HybridModel, Stack, Structure};
 use morpho_fit::spectrum::Wavelengths;
 use proptest::prelude::{any, prop, prop_assert, proptest};
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
+use std::f64::consts::FRAC_1_PI;
 
 const SMALL: Size = Size { azimuths: 9, angles: 8, side: 12, channels: 3 };
 const SEEN: Polarization = Polarization::Unpolarized;

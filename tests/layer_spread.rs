@@ -162,42 +162,28 @@ fn beside_a_spread_of_the_period_it_is_the_mean_of_both() {
     assert!(squares.sqrt() < 2e-3, "{}", squares.sqrt());
 }
 
-/// The second spread of thin layers ends at 0: those have no part in the slope.
+/// Fits take slopes by differences: those of a hair's breadth and of a fifth of a nanometre agree, as the stacks are the same.
 #[test]
-fn slopes_are_differences() {
+fn the_mean_is_smooth_in_the_structure() {
     let averages = Averages { layer_spread: 5.0, ..Averages::default() };
-    let thin = Period { cuticle: 20.0, gap: 30.0 };
-    for (averages, period) in [
-        (averages, BLUE),
-        (Averages { layer_spread: 15.0, ..averages }, thin),
-        (Averages { period_spread: 4.0, ..averages }, BLUE),
-        (Averages { numerical_aperture: 0.3, ..averages }, BLUE),
-    ] {
+    for averages in
+        [averages, Averages { period_spread: 4.0, ..averages }, Averages { numerical_aperture: 0.3, ..averages }]
+    {
         let model = with(9, averages);
-        let media = model.stack().media(480.0).unwrap();
-        let wavenumbers = [TAU / 470.0, TAU / 500.0];
-        let values = |period: Period, angle: f64| {
-            let mut out = [SAndP::default(); 2];
-            model.stack_reflectivities(&[media], &wavenumbers, period, angle, &mut out).unwrap();
-            out
-        };
-        let mut found = [morpho_fit::optics::multilayer::StackSlopes::default(); 2];
-        assert!(model.stack_slopes(&[media], &wavenumbers, period, 0.25, &mut found));
-        let moved = |cuticle, gap| Period { cuticle: period.cuticle + cuticle, gap: period.gap + gap };
-        let (step, turn) = (1e-3, 1e-5);
-        for (i, found) in found.iter().enumerate() {
-            let slope = |above: [SAndP; 2], below: [SAndP; 2], step: f64| (above[i].p - below[i].p) / (2.0 * step);
-            let cuticle = slope(values(moved(step, 0.0), 0.25), values(moved(-step, 0.0), 0.25), step);
-            let gap = slope(values(moved(0.0, step), 0.25), values(moved(0.0, -step), 0.25), step);
-            let angle = slope(values(period, 0.25 + turn), values(period, 0.25 - turn), turn);
-            assert!((found.cuticle.p - cuticle).abs() < 1e-7, "{averages:?}: {} {cuticle}", found.cuticle.p);
-            assert!((found.gap.p - gap).abs() < 1e-7, "{averages:?}: {} {gap}", found.gap.p);
-            assert!((found.angle.p - angle).abs() < 1e-6, "{averages:?}: {} {angle}", found.angle.p);
+        for wavelength in [430.0, 470.0, 500.0] {
+            let slope = |cuticle: f64, gap: f64| {
+                let moved = |by: f64| Period { cuticle: BLUE.cuticle + by * cuticle, gap: BLUE.gap + by * gap };
+                let p = |by: f64| at(&model, wavelength, moved(by), 0.25).p;
+                (p(1.0) - p(-1.0)) / (2.0 * (cuticle + gap))
+            };
+            for (near, far) in [(slope(1e-3, 0.0), slope(0.2, 0.0)), (slope(0.0, 1e-3), slope(0.0, 0.2))] {
+                assert!((near - far).abs() < 1e-5, "{averages:?} {wavelength}: {near} {far}");
+            }
         }
     }
 }
 
-/// R of a lossy stack has no exact slopes here, and its values are those of the scalar recurrence.
+/// A lossy stack too is off from that of equal layers by some hundredths, and neither has exact slopes.
 #[test]
 fn absorbing_layers_have_values_and_leave_slopes_to_differences() {
     let stack = Stack { cuticle: Material::Constant { n: 1.56, k: 0.06 }, ..Stack::default() };

@@ -212,21 +212,6 @@ impl AveragedModel {
         disorder.reflectivities(media, wavenumbers, (period, angle), node, out);
         Ok(())
     }
-
-    /// Their derivatives; `false` where there are none in exact form.
-    fn plane_wave_slopes(
-        &self,
-        media: &[Media],
-        wavenumbers: &[f64],
-        (period, angle): (Period, f64),
-        node: (usize, usize),
-        out: &mut [StackSlopes],
-    ) -> bool {
-        let Some(disorder) = &self.disorder else {
-            return self.model.stack_slopes(media, wavenumbers, period, angle, out);
-        };
-        disorder.slopes(media, wavenumbers, (period, angle), node, out)
-    }
 }
 
 impl ReflectivityModel for AveragedModel {
@@ -302,6 +287,10 @@ impl ReflectivityModel for AveragedModel {
         angle: f64,
         out: &mut [StackSlopes],
     ) -> bool {
+        // Of stacks whose layers differ exact slopes cost what differences do.
+        if self.disorder.is_some() {
+            return false;
+        }
         let Some(ambient) = self.common_ambient(media) else {
             let each = media.chunks(1).zip(wavenumbers.chunks(1)).zip(out.chunks_mut(1));
             let mut each = each.map(|((media, k), out)| self.stack_slopes(media, k, period, angle, out));
@@ -310,16 +299,16 @@ impl ReflectivityModel for AveragedModel {
         out.fill(StackSlopes::default());
         let mut one = vec![StackSlopes::default(); wavenumbers.len()];
         let mut values = vec![SAndP::default(); wavenumbers.len()];
-        let (beams, shifts) = (self.beams(ambient, angle), self.shifts(wavenumbers, period));
-        for (place, &(band, longer_by, share)) in shifts.iter().enumerate() {
+        let beams = self.beams(ambient, angle);
+        for (band, longer_by, share) in self.shifts(wavenumbers, period) {
             let (longer, factor, slope) = longer(period, longer_by);
             let shifted = shifted(wavenumbers, band);
-            for (number, beam) in beams.iter().enumerate() {
-                let node = (place * beams.len() + number, shifts.len() * beams.len());
+            for beam in &beams {
                 // The values are for what a turn exchanges between the polarizations.
                 let turns = beam.own_slope.abs() > 0.0;
-                if !self.plane_wave_slopes(media, &shifted, (longer, beam.angle), node, &mut one)
-                    || turns && self.plane_waves(media, &shifted, (longer, beam.angle), node, &mut values).is_err()
+                if !self.model.stack_slopes(media, &shifted, longer, beam.angle, &mut one)
+                    || turns
+                        && self.model.stack_reflectivities(media, &shifted, longer, beam.angle, &mut values).is_err()
                 {
                     return false;
                 }

@@ -17,9 +17,7 @@
 
 use crate::numerics::normal::normal_quantile;
 use crate::optics::Media;
-use crate::optics::multilayer::{
-    CUTICLE, GAP, Order, Period, SAndP, StackSlopes, ordered_slopes_unchecked, ordered_unchecked,
-};
+use crate::optics::multilayer::{CUTICLE, GAP, Order, Period, SAndP, ordered_unchecked};
 use rand::{RngCore, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -75,22 +73,6 @@ impl Disorder {
         let kinds = self.kinds(period);
         let (order, stacks) = self.share(node, nodes);
         ordered_unchecked(media, wavenumbers, Order { kinds: &kinds, order, repeats: 1, stacks }, angle, out);
-    }
-
-    /// Derivatives of [`Disorder::reflectivities`]; `false` where there are none in exact form.
-    pub(super) fn slopes(
-        &self,
-        media: &[Media],
-        wavenumbers: &[f64],
-        (period, angle): (Period, f64),
-        (node, nodes): (usize, usize),
-        out: &mut [StackSlopes],
-    ) -> bool {
-        let kinds = self.kinds(period);
-        let moves: Vec<f64> = kinds.iter().map(|&(_, thickness)| if thickness > 0.0 { 1.0 } else { 0.0 }).collect();
-        let (order, stacks) = self.share(node, nodes);
-        let layers = Order { kinds: &kinds, order, repeats: 1, stacks };
-        ordered_slopes_unchecked(media, wavenumbers, (layers, &moves), angle, out)
     }
 
     /// Thicknesses of all kinds about a period.

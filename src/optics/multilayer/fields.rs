@@ -12,15 +12,12 @@
 //! What equal layers share is computed once; wavelengths go in blocks without a branch, as in [`super::lanes`].
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
-mod slopes;
-
 use crate::numerics::exponential::decay;
 use crate::numerics::fused::{fused_or_not, mul_add};
 use crate::numerics::trigonometry::sin_cos_fused;
 use crate::optics::multilayer::SAndP;
 use multiversion::multiversion;
 use nalgebra::Complex;
-pub(crate) use slopes::slopes;
 
 /// Wavelengths that go together.
 const BLOCK: usize = 16;

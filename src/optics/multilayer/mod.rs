@@ -228,37 +228,9 @@ pub(crate) fn ordered_unchecked(
     angle: f64,
     out: &mut [SAndP],
 ) {
-    with_layers(media, layers, |layers| general::reflectivities_unchecked(layers, wavenumbers, angle, out));
-}
-
-/// Derivatives of [`ordered_unchecked`] of stacks that are met once each; `false`, and nothing written, where a medium absorbs, a
-/// wave does not travel, or a phase is too large for vector code.
-///
-/// - `moves`: 1 for each kind of layer that is as much thicker as the thickness by which the derivative is, 0 for one that stays.
-pub(crate) fn ordered_slopes_unchecked(
-    media: &[Media],
-    wavenumbers: &[f64],
-    (layers, moves): (Order<'_>, &[f64]),
-    angle: f64,
-    slopes: &mut [StackSlopes],
-) -> bool {
-    if media.is_empty() || traveling(media, angle).is_none() {
-        return false;
-    }
-    with_layers(media, layers, |layers| {
-        let short = layers.has_short_phases(wavenumbers.iter().copied().fold(0.0, f64::max));
-        if short {
-            fields::slopes(layers, moves, angle.sin_cos(), wavenumbers, slopes);
-        }
-        short
-    })
-}
-
-/// What `work` makes of the layers in these media.
-fn with_layers<T>(media: &[Media], layers: Order<'_>, work: impl FnOnce(&Layers<'_>) -> T) -> T {
     let row = |index: fn(&Media) -> Complex<f64>| media.iter().map(index).collect::<Vec<_>>();
     let Order { kinds, order, repeats, stacks } = layers;
-    work(&Layers {
+    let layers = Layers {
         ambient: &row(|media| Complex::new(media.ambient, 0.0)),
         base: &row(|media| media.base),
         media: &[&row(|media| media.gap), &row(|media| media.cuticle)],
@@ -266,7 +238,8 @@ fn with_layers<T>(media: &[Media], layers: Order<'_>, work: impl FnOnce(&Layers<
         order,
         repeats,
         stacks,
-    })
+    };
+    general::reflectivities_unchecked(&layers, wavenumbers, angle, out);
 }
 
 /// [`reflectivities_unchecked`] with their derivatives; `false`, and nothing written, where a medium absorbs or a wave does not
