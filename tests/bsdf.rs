@@ -148,7 +148,8 @@ proptest! {
         let table = TABLE.with(Clone::clone);
         let (theta_i, phi_i) = (f64::from(table.fields().theta_i[angle]), f64::from(table.fields().phi_i[azimuth]));
         let incoming = direction(theta_i.to_degrees(), phi_i.to_degrees());
-        let normal = table.half_vector(azimuth * 8 + angle, row * 12 + column);
+        let normal = table.half_vector(azimuth * 8 + angle, row * 12 + column).unwrap();
+        prop_assert!(table.half_vector(72, 0).is_none() && table.half_vector(0, 144).is_none());
         let along: f64 = (0..3).map(|axis| incoming[axis] * normal[axis]).sum();
         let outgoing: [f64; 3] = std::array::from_fn(|axis| 2.0 * along * normal[axis] - incoming[axis]);
         // In the outermost rows the azimuth is that of the other end, by rounding; so close to the horizon a cosine is.

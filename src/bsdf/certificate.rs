@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
-/// Points along each side of the square of half vectors, at least, that an albedo is summed over.
-const POINTS: usize = 48;
+/// Points along each side of the square of half vectors that an albedo is summed over.
+const POINTS: usize = 64;
 /// Directions with light that share their wavelengths.
 const BLOCK: usize = 125;
 /// Wavelengths between those of the table that each of these directions is judged at.
@@ -111,7 +111,8 @@ fn at_nodes(source: &Source<'_>, table: &MeasuredBsdf) -> Result<f64, BsdfError>
         let (mut scratch, mut values) = (Scratch::default(), vec![0.0; channels]);
         let mut worst = 0.0_f64;
         for index in 0..plane {
-            let Some(outgoing) = mirrored(incoming, table.half_vector(slice, index)) else { continue };
+            let normal = table.half_vector(slice, index);
+            let Some(outgoing) = normal.and_then(|normal| mirrored(incoming, normal)) else { continue };
             source.fill(outgoing, incoming, &mut scratch, &mut values)?;
             for (channel, value) in values.iter().enumerate() {
                 let found = spectra.get(channel * plane + index).copied().map_or(0.0, f64::from);
@@ -184,14 +185,13 @@ fn at_random(
 /// The largest albedo over the incidences of the table, at nodes and halfway between angles; mirror images across the ridges are left out.
 fn largest(surface: &dyn Surface, table: &MeasuredBsdf) -> Result<Albedo, BsdfError> {
     let fields = table.fields();
-    let cells = (fields.side - 1) * POINTS.div_ceil(fields.side - 1);
     let nodes: Vec<f64> = fields.theta_i.iter().copied().map(f64::from).collect();
     let middles = nodes.iter().zip(nodes.iter().skip(1)).map(|(low, high)| 0.5 * (low + high));
     let thetas = nodes.iter().copied().chain(middles);
     let phis: Vec<f64> =
         fields.phi_i.iter().copied().map(f64::from).filter(|phi| phi.abs() <= FRAC_PI_2 + 1e-6).collect();
     let places: Vec<[f64; 2]> = thetas.flat_map(|theta| phis.iter().map(move |&phi| [theta, phi])).collect();
-    let albedos = albedos(surface, &places, cells)?;
+    let albedos = albedos(surface, &places, POINTS)?;
     let mut found = Albedo { largest: 0.0, theta_deg: 0.0, phi_deg: 0.0, wavelength_nm: None };
     for ([theta, phi], albedos) in places.iter().zip(albedos) {
         for (channel, largest) in albedos.into_iter().enumerate() {

@@ -216,15 +216,18 @@ impl MeasuredBsdf {
         Ok(between.into_iter().map(|(channel, share)| share * self.value(&place, channel)).sum())
     }
 
-    /// The half vector of a node, a unit vector; in an isotropic file its azimuth is that from the incident light.
+    /// The half vector of a node, a unit vector; in an isotropic file its azimuth is that from the incident light. None beyond the last.
     ///
     /// - `slice`: number of the incidence, angles within azimuths; `index`: number of the node in the square plane of one channel.
     #[must_use]
-    pub fn half_vector(&self, slice: usize, index: usize) -> [f64; 3] {
+    pub fn half_vector(&self, slice: usize, index: usize) -> Option<[f64; 3]> {
         let side = self.fields.side;
-        let (place, _) = self.warp.forward([share(index % side, side), share(index / side, side)], slice);
-        let [theta, phi] = unsquare(place);
-        direction(theta, phi)
+        let is_there = index < side * side && slice < self.fields.phi_i.len() * self.fields.theta_i.len();
+        is_there.then(|| {
+            let (place, _) = self.warp.forward([share(index % side, side), share(index / side, side)], slice);
+            let [theta, phi] = unsquare(place);
+            direction(theta, phi)
+        })
     }
 
     fn place(&self, incoming: [f64; 3], outgoing: [f64; 3]) -> Result<Option<Place>, BsdfError> {

@@ -3,9 +3,8 @@
 //! What a table would say between its nodes can be computed from the nodes about that place, without the rest of it. So sizes are tried at
 //! random directions with light: from a small one on, always that axis is made finer which lowers the error most for its bytes.
 
-use super::density::{NODES, densities};
+use super::density::{NODES, density};
 use super::directions::{angles, direction, half, mirrored, square, unsquare};
-use super::measured::Plane;
 use super::source::Scratch;
 use super::tabulate::{DARK, axes, incidence, share, single};
 use super::warp::{Between, Warp, slices};
@@ -13,8 +12,6 @@ use super::{BsdfError, Source};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
 /// Numbers of nodes that are tried; azimuths are odd, so that 0 is one of them.
@@ -136,9 +133,9 @@ pub fn size(source: &Source<'_>, needs: &Needs) -> Result<Sized, BsdfError> {
     }
     let seen = source.at(&nodes(SEEN))?;
     let exact = spectra(&seen, &probes)?;
-    // Sizes with the same incidences have the same densities.
-    let mut laid: BTreeMap<[usize; 2], Slices> = BTreeMap::new();
-    let mut judged = |at: [usize; 4]| -> Result<Option<Step>, BsdfError> {
+    let density = density(&seen)?;
+    let warp = Warp::new(&density.values, density.size);
+    let judged = |at: [usize; 4]| -> Result<Option<Step>, BsdfError> {
         let counts = [AZIMUTHS.get(at[0]), ANGLES.get(at[1]), SIDES.get(at[2]), WAVELENGTHS.get(at[3])];
         let [Some(&azimuths), Some(&angles), Some(&side), Some(&channels)] = counts else { return Ok(None) };
         let size = Size { azimuths, angles, side, channels };
@@ -146,11 +143,7 @@ pub fn size(source: &Source<'_>, needs: &Needs) -> Result<Sized, BsdfError> {
             return Ok(None);
         }
         let of_wavelengths = of_wavelengths.get(at[3]).copied().unwrap_or(0.0);
-        let slices = match laid.entry([azimuths, angles]) {
-            Entry::Occupied(laid) => laid.into_mut(),
-            Entry::Vacant(place) => place.insert(Slices::new(&seen, &size)?),
-        };
-        let square = of_directions(&seen, slices, side, &probes, &exact)? / (peak * peak) + of_wavelengths;
+        let square = of_directions(&seen, &size, &warp, &probes, &exact)? / (peak * peak) + of_wavelengths;
         Ok(Some(Step { at, size, square }))
     };
     let too_large = |bytes: u64, square: f64| {
@@ -250,16 +243,17 @@ fn linear_between(
 /// Mean square error of a table of this size, held against the exact values.
 fn of_directions(
     source: &Source<'_>,
-    slices: &Slices,
-    side: usize,
+    size: &Size,
+    warp: &Warp,
     probes: &[Pair],
     exact: &[Vec<f64>],
 ) -> Result<f64, BsdfError> {
+    let axes = axes(size);
     let one = |scratch: &mut (Scratch, Vec<f64>), (probe, exact): (&Pair, &Vec<f64>)| {
         let (scratch, corner) = scratch;
         corner.resize(exact.len(), 0.0);
         let mut values = vec![0.0; exact.len()];
-        for (incoming, outgoing, weight) in slices.corners(side, *probe) {
+        for (incoming, outgoing, weight) in corners(size, warp, &axes, *probe) {
             source.fill(incoming, outgoing, scratch, corner)?;
             values.iter_mut().zip(&*corner).for_each(|(value, corner)| *value += weight * corner);
         }
@@ -272,42 +266,31 @@ fn of_directions(
     Ok(sums?.into_iter().fold(Mean::default(), Mean::with).square())
 }
 
-/// The incidences of a table, and how its nodes are laid.
-struct Slices {
-    phi_i: Vec<f32>,
-    theta_i: Vec<f32>,
-    warp: Warp,
-}
-
-impl Slices {
-    fn new(source: &Source<'_>, size: &Size) -> Result<Self, BsdfError> {
-        let [phi_i, theta_i] = axes(size);
-        let incoming = |slice| incidence(&[&phi_i, &theta_i], slice);
-        let Plane { size, values } = densities(source, size.azimuths * size.angles, incoming)?;
-        Ok(Self { warp: Warp::new(&values, size), phi_i, theta_i })
-    }
-
-    /// The directions of the nodes about a place in the table, each with its share; those below the horizon, which are dark, are left out.
-    fn corners(&self, side: usize, [incoming, outgoing]: Pair) -> Vec<([f64; 3], [f64; 3], f64)> {
-        let Some(normal) = half(incoming, outgoing) else { return Vec::new() };
-        let ([theta, phi], [theta_m, phi_m]) = (angles(incoming), angles(normal));
-        let (azimuth, angle) = (Between::of(&self.phi_i, phi), Between::of(&self.theta_i, theta));
-        let slices = slices(azimuth, angle, self.theta_i.len());
-        let [x, y] = self.warp.inverse(square(theta_m, phi_m), &slices).map(|place| Between::regular(side, place));
-        let mut found = Vec::with_capacity(16);
-        for (slice, of_slice) in slices {
-            let incoming = incidence(&[&self.phi_i, &self.theta_i], slice);
-            for (row, of_row) in y.both() {
-                for (column, of_column) in x.both() {
-                    let (place, _) = self.warp.forward([share(column, side), share(row, side)], slice);
-                    let [theta_m, phi_m] = unsquare(place);
-                    let Some(outgoing) = mirrored(incoming, direction(theta_m, phi_m)) else { continue };
-                    found.push((incoming, outgoing, of_slice * of_row * of_column));
-                }
+/// The directions of the nodes about a place in the table, each with its share; those below the horizon, which are dark, are left out.
+fn corners(
+    size: &Size,
+    warp: &Warp,
+    [phi_i, theta_i]: &[Vec<f32>; 2],
+    [incoming, outgoing]: Pair,
+) -> Vec<([f64; 3], [f64; 3], f64)> {
+    let Some(normal) = half(incoming, outgoing) else { return Vec::new() };
+    let ([theta, phi], [theta_m, phi_m]) = (angles(incoming), angles(normal));
+    let alone = [(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
+    let [x, y] = warp.inverse(square(theta_m, phi_m), &alone).map(|place| Between::regular(size.side, place));
+    let mut found = Vec::with_capacity(16);
+    for (row, of_row) in y.both() {
+        for (column, of_column) in x.both() {
+            let (place, _) = warp.forward([share(column, size.side), share(row, size.side)], 0);
+            let [theta_m, phi_m] = unsquare(place);
+            let normal = direction(theta_m, phi_m);
+            for (slice, of_slice) in slices(Between::of(phi_i, phi), Between::of(theta_i, theta), theta_i.len()) {
+                let (incoming, share) = (incidence(&[phi_i, theta_i], slice), of_slice * of_row * of_column);
+                let Some(outgoing) = mirrored(incoming, normal).filter(|_| share > 0.0) else { continue };
+                found.push((incoming, outgoing, share));
             }
         }
-        found
     }
+    found
 }
 
 /// A mean square, and the largest.

@@ -1,10 +1,10 @@
 //! A surface as the fields of a measured material.
 //!
 //! `ndf` is 4 and `sigma` 1 everywhere: the factor `ndf / (4 sigma)` is 1, and `spectra` holds `f cos(theta_o)` at the nodes. Their half vectors
-//! are where the warp of `vndf` lays them: evenly where there is light ([`density`](super::density)). `luminance`, by which renderers sample, is
+//! are where the warp of `vndf` lays them: mostly where there is light (`density`). `luminance`, by which renderers sample, is
 //! the mean over the channels times the solid angle of a node.
 
-use super::density::densities;
+use super::density::density;
 use super::directions::{direction, dot, jacobian, mirrored, unsquare};
 use super::measured::{MeasuredFields, Plane};
 use super::sizing::Size;
@@ -21,8 +21,6 @@ const TOWARDS_HORIZON: f64 = 1.5;
 /// Least weight for sampling, as a share of the mean of its plane: with less, rare paths would be bright dots in a picture; with more,
 /// paths would be spent on the dark.
 const FLOOR: f64 = 0.01;
-/// Least density of half vectors in a weight: where the density ends the light does, but for the width of its cells.
-const SPARSE: f64 = 0.01;
 /// Largest value of a surface that reflects nothing, 1/sr: what rounding leaves of layers of one index.
 pub(super) const DARK: f64 = 1e-12;
 
@@ -47,6 +45,21 @@ pub(super) fn axes(size: &Size) -> [Vec<f32>; 2] {
         single(LAST_ANGLE * FRAC_PI_2 * (1.0 - from_horizon))
     };
     [(0..size.azimuths).map(azimuth).collect(), (0..size.angles).map(angle).collect()]
+}
+
+/// A half vector of the table.
+struct Node {
+    normal: [f64; 3],
+    /// Solid angle of the mirrored direction by area of the unit square before the warp, over the cosine from the half vector, sr.
+    solid_angle: f64,
+}
+
+impl Node {
+    fn new(warp: &Warp, side: usize, index: usize) -> Self {
+        let (place, density) = warp.forward([share(index % side, side), share(index / side, side)], 0);
+        let [theta, phi] = unsquare(place);
+        Self { normal: direction(theta, phi), solid_angle: jacobian(place[0], theta, 1.0) / density }
+    }
 }
 
 /// The direction of the light in a slice.
@@ -85,8 +98,9 @@ pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result
     let plane = side * side;
     let slices = phi_i.len() * theta_i.len();
     let incoming = |slice| incidence(&[&phi_i, &theta_i], slice);
-    let vndf = densities(surface, slices, incoming)?;
-    let warp = Warp::new(&vndf.values, vndf.size);
+    let density = density(surface)?;
+    let warp = Warp::new(&density.values, density.size);
+    let nodes: Vec<Node> = (0..plane).map(|index| Node::new(&warp, side, index)).collect();
     let mut spectra = vec![0.0; slices * channels * plane];
     let mut luminance = vec![0.0; slices * plane];
     let found = spectra
@@ -97,16 +111,12 @@ pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result
             let incoming = incoming(slice);
             let mut found = Found::default();
             let mut values = vec![0.0; channels];
-            for (index, weight) in luminance.iter_mut().enumerate() {
-                let (place, density) = warp.forward([share(index % side, side), share(index / side, side)], slice);
-                let [theta, phi] = unsquare(place);
-                let normal = direction(theta, phi);
-                let Some(outgoing) = mirrored(incoming, normal) else { continue };
+            for (index, (weight, node)) in luminance.iter_mut().zip(&nodes).enumerate() {
+                let Some(outgoing) = mirrored(incoming, node.normal) else { continue };
                 surface.values(incoming, outgoing, &mut values)?;
                 found.add(&mut values);
                 let mean = values.iter().sum::<f64>() / share_count(channels);
-                let solid_angle = jacobian(place[0], theta, dot(incoming, normal)) / density.max(SPARSE);
-                *weight = single(mean * solid_angle);
+                *weight = single(mean * node.solid_angle * dot(incoming, node.normal));
                 for (channel, value) in values.iter().enumerate() {
                     if let Some(out) = spectra.get_mut(channel * plane + index) {
                         *out = single(*value);
@@ -129,7 +139,7 @@ pub fn tabulate(surface: &dyn Surface, size: &Size, description: &str) -> Result
         wavelengths: surface.wavelengths().map(|wavelengths| wavelengths.into_iter().map(single).collect()),
         ndf: everywhere(4.0),
         sigma: everywhere(1.0),
-        vndf,
+        vndf: Plane { size: density.size, values: density.values.repeat(slices) },
         luminance,
         side,
         spectra,

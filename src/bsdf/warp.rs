@@ -190,13 +190,15 @@ impl Warp {
     }
 }
 
-/// Where an integral of a density that is linear in cells reaches a value.
+/// A place among even nodes.
 struct Cell {
     index: usize,
     share: f64,
 }
 
 impl Cell {
+    /// Where the integral of a density that is linear in cells reaches a value.
+    ///
     /// - `target`: the value; `up_to(node)`: the integral from the first node to this one; `density(node)`.
     fn of(target: f64, cells: usize, up_to: impl Fn(usize) -> f64, density: impl Fn(usize) -> f64) -> Self {
         // The first cell whose upper end reaches the target; so a target of 0 stays at the first node.
@@ -219,6 +221,7 @@ impl Cell {
         (self.index as f64 + self.share) / cells as f64
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;

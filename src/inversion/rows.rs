@@ -1,8 +1,9 @@
 //! The readings of a plan in runs along which a node stands still or goes on by one, for arithmetic in vector registers (`kernels`).
 
-pub(crate) use kernels::residuals;
+mod kernels;
 
 use crate::inversion::plan::{PlannedReading, TermsView};
+pub(crate) use kernels::residuals;
 use kernels::{add_both, add_lamella, add_scaled, along_both, along_the_lobe, along_the_stack};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -317,6 +318,5 @@ fn add_product(
     }
 }
 
-mod kernels;
 #[cfg(test)]
 mod tests;

@@ -77,7 +77,7 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
         return half_kv.iter().map(|half_kv| array_factor(half_kv * period, layers).powi(2)).collect();
     }
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
-    let square = (layers.max(1) as f64).powi(-2);
+    let count = layers.max(1) as f64;
     let mut squares = vec![0.0; half_kv.len()];
     for (nodes, out) in half_kv.chunks(BLOCK).zip(squares.chunks_mut(BLOCK)) {
         let phases = padded(nodes);
@@ -92,7 +92,7 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
             }
         }
         for (out, u) in out.iter_mut().zip(u) {
-            *out = u * u * square;
+            *out = (u / count) * (u / count);
         }
     }
     squares
@@ -126,7 +126,10 @@ fn diffraction_of<const FUSED: bool>(half_ku: &[f64], obliquity: &[f64], lamella
 /// Derivatives of [`interference`] by the period, 1/nm; `None` above [`CHEBYSHEV_LAYERS`].
 #[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
 pub(crate) fn interference_slopes(half_kv: &[f64], period: f64, layers: usize) -> Option<Vec<f64>> {
-    (layers <= CHEBYSHEV_LAYERS).then(|| fused_or_not!(interference_slopes_of(half_kv, period, layers)))
+    if layers > CHEBYSHEV_LAYERS {
+        return None;
+    }
+    Some(fused_or_not!(interference_slopes_of(half_kv, period, layers)))
 }
 
 #[inline(always)]
@@ -257,6 +260,43 @@ impl LamellaNode {
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
+
+    /// Blocks and their rest, fused and portable, against one node at a time.
+    #[test]
+    fn blocks_are_what_single_nodes_are() {
+        for length in [0, 1, 31, 33, 200] {
+            let half_kv: Vec<f64> = (0..length).map(|i| f64::from(i) * 1.3e-3).chain([0.0, PI / 235.0]).collect();
+            let small = SERIES / 300.0;
+            let half_ku: Vec<f64> = (0..length).map(|i| f64::from(i) * 2e-4).chain([1e-300, 0.999 * small]).collect();
+            let obliquity = vec![0.9; half_ku.len()];
+            for layers in [0, 1, 2, 9, 16, 17] {
+                let fused = interference(&half_kv, 235.0, layers);
+                let portable = interference_of::<false>(&half_kv, 235.0, layers);
+                for ((fused, portable), &half_kv) in fused.iter().zip(portable).zip(&half_kv) {
+                    let one = LamellaNode { half_kv, half_ku: 0.0, obliquity: 1.0 }.interference(235.0, layers);
+                    assert_abs_diff_eq!(*fused, one, epsilon = 1e-13);
+                    assert_abs_diff_eq!(portable, one, epsilon = 1e-13);
+                }
+                let slopes = interference_slopes(&half_kv, 235.0, layers).unwrap_or_default();
+                for (fused, portable) in slopes.iter().zip(interference_slopes_of::<false>(&half_kv, 235.0, layers)) {
+                    assert_abs_diff_eq!(*fused, portable, epsilon = 1e-12);
+                }
+            }
+            let fused = diffraction(&half_ku, &obliquity, 300.0, 2.0);
+            let portable = diffraction_of::<false>(&half_ku, &obliquity, 300.0, 2.0);
+            for ((fused, portable), &half_ku) in fused.iter().zip(portable).zip(&half_ku) {
+                let one = 1.8 * LamellaNode { half_kv: 0.0, half_ku, obliquity: 1.0 }.diffraction(300.0);
+                assert_abs_diff_eq!(*fused, one, epsilon = 1e-14);
+                assert_abs_diff_eq!(portable, one, epsilon = 1e-14);
+            }
+            let slopes = diffraction_slopes(&half_ku, &obliquity, 300.0, 2.0, 0.1);
+            for (fused, portable) in
+                slopes.iter().zip(diffraction_slopes_of::<false>(&half_ku, &obliquity, 300.0, 2.0, 0.1))
+            {
+                assert_abs_diff_eq!(*fused, portable, epsilon = 1e-13);
+            }
+        }
+    }
 
     #[test]
     fn slopes_are_differences_of_the_values() {

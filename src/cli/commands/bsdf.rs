@@ -190,6 +190,12 @@ pub(crate) fn tables(
     let (tolerance, seed, model) = (choice.tolerance, choice.seed, &model);
     let sheet = BsdfSheet { model, structure, polarization, tolerance, seed, files: &files_of };
     files.push(("certificate.json".to_owned(), certificate_json(&sheet)?));
+    for BsdfFile { name, certificate, .. } in &files_of {
+        let found = certificate.albedo_of_table.largest;
+        if found > 1.0 {
+            lines.push(format!("! {name}: the table gives back {found:.2} of the light at {:.1}°, more than there is: lower --tolerance", certificate.albedo_of_table.theta_deg));
+        }
+    }
     if let Some([largest, share]) = files_of.iter().find_map(|file| file.clipped).filter(|[_, share]| *share > 0.0) {
         lines.push(format!(
             "{RGB}: {:.0} % of the directions with light have colours outside sRGB; channels down to {:.1} % of the peak \

@@ -63,6 +63,7 @@ pub(super) fn along_the_stack(
     add_multilayer(columns, weights, factor, stack, lobe);
 }
 
+/// Both differ from one reading to the next.
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
 pub(super) fn along_both(
     columns: [&mut [f64]; 4],
