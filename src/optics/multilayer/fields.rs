@@ -53,7 +53,9 @@ pub(crate) struct Layers<'a> {
 impl Layers<'_> {
     /// The kinds of each stack.
     pub(crate) fn each(&self) -> impl Iterator<Item = &[usize]> {
-        self.order.chunks((self.order.len() / self.stacks.max(1)).max(1))
+        // Stacks without a layer are there too: an interface.
+        let length = self.order.len() / self.stacks.max(1);
+        (0..self.stacks).map(move |stack| self.order.get(stack * length..(stack + 1) * length).unwrap_or_default())
     }
 
     /// Whether every phase at wavenumbers up to `largest` is small enough.
