@@ -5,8 +5,8 @@
 //! - [`tabulate`]: the [`hybrid`](crate::optics::hybrid) model as such a material, with as many nodes as a tolerance needs ([`size`]).
 //! - [`certify`]: what the table keeps of the model: reciprocity, energy, values.
 //!
-//! The model is written with a density of facets that is even where it has light and 0 elsewhere, so that the warp of the format lays the
-//! nodes of `f cos(theta_o)` over the lobe from edge to edge; the other factors of the format are 1.
+//! The model is written with a density of facets of which four fifths lie where it has light, the same for all incidences, so that the warp of the
+//! format lays the nodes of `f cos(theta_o)` there; the other factors of the format are 1.
 //! No file is opened here: bytes come in, bytes go out.
 
 mod certificate;
