@@ -12,7 +12,7 @@ use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::{Geometry, Polarization};
 use morpho_fit::inversion::intervals::{PosteriorSettings, posterior};
 use morpho_fit::inversion::{
-    Extent, FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
+    Extent, FitOutcome, FitSettings, Fitter, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
 };
 use morpho_fit::optics::multilayer::general::{Film, LayeredStack};
 use morpho_fit::optics::multilayer::{Period, spectra};
@@ -73,11 +73,11 @@ fn range(workload: &Value, key: &str) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// The median time of several runs after the first, which pays for cold memory.
+/// The median time of the runs of half a second, at least 3 and at most 1000, after the first, which pays for cold memory.
 fn median_seconds(mut work: impl FnMut() -> Result<()>) -> Result<f64> {
     work()?;
-    let mut times = Vec::new();
-    for _ in 0..25 {
+    let (mut times, begin) = (Vec::new(), Instant::now());
+    while times.len() < 3 || (times.len() < 1000 && begin.elapsed().as_secs_f64() < 0.5) {
         let clock = Instant::now();
         work()?;
         times.push(clock.elapsed().as_secs_f64());
@@ -265,7 +265,7 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
         .collect::<std::result::Result<_, _>>()?;
     let settings = settings(workload, Extent::None)?;
     let model = settings.forward()?;
-    let local = start_at(&settings, &numbers(&workload["start_all"])?);
+    let fitter = Fitter::new(start_at(&settings, &numbers(&workload["start_all"])?))?;
     let count = variant.parse::<usize>().unwrap_or(1000).min(truths[0].len());
     let blank = dataset(workload, &vec![0.0; noise.len()], 1.0)?;
     let mut sets = Vec::with_capacity(count);
@@ -289,7 +289,7 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
     let clock = Instant::now();
     let found: Vec<FitOutcome> = sets
         .par_iter()
-        .map(|data| fit(data, &local, &|_| {}).map(|fit| fit.outcome))
+        .map(|data| fitter.fit(data, &|_| {}).map(|fit| fit.outcome))
         .collect::<std::result::Result<_, _>>()?;
     let seconds = clock.elapsed().as_secs_f64();
     let x: Vec<Vec<f64>> = found.iter().map(values).collect();

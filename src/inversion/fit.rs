@@ -105,7 +105,7 @@ pub enum FitError {
 }
 
 /// Readings that the global stage looks at; more would cost time and not change the ranking of minima.
-const THINNED: usize = 320;
+pub(crate) const THINNED: usize = 320;
 /// Reweightings of a robust fit.
 const REWEIGHTINGS: usize = 30;
 /// A reweighting that changes the robust cost by less than this share is the last.
@@ -134,42 +134,56 @@ const SETTLED: f64 = 1e-9;
 /// ```
 pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sync)) -> Result<Fit, FitError> {
     settings.validate()?;
-    let largest = data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
-    if largest > 1e100 || (largest > 0.0 && largest < 1e-100) {
-        return Err(FitError::Unit { largest });
-    }
+    check(data)?;
     let model = settings.forward()?;
     let compiled = Compiled::new(data, settings, model.as_ref())?;
     let thin = match settings.search {
         Search::Global => Some(Compiled::thinned(data, settings, model.as_ref(), THINNED)?),
         Search::Local => None,
     };
+    fit_compiled(&compiled, thin.as_ref(), progress)
+}
+
+/// Refuses intensities whose squares leave the range of numbers.
+pub(crate) fn check(data: &Dataset) -> Result<(), FitError> {
+    let largest = data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
+    if largest > 1e100 || (largest > 0.0 && largest < 1e-100) { Err(FitError::Unit { largest }) } else { Ok(()) }
+}
+
+/// The fit of compiled data; `thin` has the readings that the global stage looks at, if there is one.
+pub(crate) fn fit_compiled(
+    compiled: &Compiled<'_>,
+    thin: Option<&Compiled<'_>>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Fit, FitError> {
+    let (data, settings) = (compiled.data, compiled.settings);
     let searched = Space::new(&settings.roles)?;
     let (readings, unknowns) = (compiled.plan.len(), searched.freedom.free.len() + compiled.linear.columns.len());
     if readings <= unknowns {
         return Err(FitError::TooFewReadings { readings, unknowns });
     }
-    let mut minima = search::minima(&compiled, thin.as_ref(), &searched, progress);
+    let mut minima = search::minima(compiled, thin, &searched, progress);
     let (robust, robust_unit) = if settings.loss == Loss::Linear {
         (Vec::new(), 1.0)
     } else {
         progress("reweighting outliers");
-        reweight(&compiled, &searched, &mut minima)
+        reweight(compiled, &searched, &mut minima)
     };
     minima.retain(|minimum| minimum.sum_of_squares().is_finite());
     if minima.is_empty() {
-        return Err(FitError::NowhereFinite { model: model.name() });
+        return Err(FitError::NowhereFinite { model: compiled.plan.model_name() });
     }
     if robust.is_empty() {
         let unit = unit_of_residuals(data, minima[0].sum_of_squares(), readings - unknowns);
         likeliest_first(&mut minima, &searched.ranges, unit);
     }
     progress("asking what the data determine");
-    let (held, space, best) = hold_undetermined(&compiled, &robust, &searched, &minima[0])?;
+    let (held, space, best) = hold_undetermined(compiled, &robust, &searched, &minima[0])?;
     let minima = apart_beyond(minima, &held, &searched);
     let mut solution = Solution { searched, space, best, minima, held, robust, robust_unit, unit: 1.0 };
-    let summary = summarise(&Found::new(&compiled, &solution));
-    let Summary { outcome, readings, unit } = summary.ok_or(FitError::NowhereFinite { model: model.name() })?;
+    let summary = summarise(&Found::new(compiled, &solution));
+    let Summary { outcome, readings, unit } =
+        summary.ok_or(FitError::NowhereFinite { model: compiled.plan.model_name() })?;
     solution.unit = unit;
     Ok(Fit { outcome, readings, solution })
 }

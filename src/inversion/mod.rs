@@ -10,6 +10,7 @@ mod constant;
 mod design;
 mod estimates;
 mod fit;
+mod fitter;
 pub mod intervals;
 mod jackknife;
 mod marginal;
@@ -44,6 +45,7 @@ pub(crate) use compiled::Compiled;
 pub use constant::Constant;
 pub use design::{DesignError, Expected, expected};
 pub use fit::{FitError, fit};
+pub use fitter::Fitter;
 pub use nuisance::{Extent, Nuisances, Weight};
 pub use objective::Objective;
 pub use outcome::{

@@ -329,22 +329,6 @@ impl Sums {
         sums.square = dot(intensities, intensities);
         sums
     }
-
-    #[inline]
-    pub(crate) fn add(&mut self, weight: f64, (a, b): (f64, f64), intensity: f64) {
-        let [wa, wb, wy] = [weight * a, weight * b, weight * intensity];
-        let [by_a, by_b, by_one] = &mut self.products;
-        by_a[0] += wa * a;
-        by_b[0] += wb * a;
-        by_b[1] += wb * b;
-        by_one[0] += wa;
-        by_one[1] += wb;
-        by_one[2] += weight;
-        self.with_intensity[0] += wa * intensity;
-        self.with_intensity[1] += wb * intensity;
-        self.with_intensity[2] += wy;
-        self.square += wy * intensity;
-    }
 }
 
 impl NormalEquations {

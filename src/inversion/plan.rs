@@ -13,7 +13,7 @@
 mod model_held;
 mod seen;
 
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, Reading};
 use crate::inversion::numbering::Numbers;
 use crate::inversion::parameter::{COUNT, structure};
 use crate::inversion::rows::Rows;
@@ -64,6 +64,11 @@ struct StackRun {
     wavenumbers: Vec<f64>,
     /// Number of each node, and the shares of s and p in it.
     nodes: Vec<(usize, (f64, f64))>,
+}
+
+/// What multiplies the residual of a reading: `1 / sigma`, or 1 where the data have none.
+fn weight(reading: &Reading) -> f64 {
+    reading.sigma.map_or(1.0, f64::recip)
 }
 
 /// A data set compiled for one model.
@@ -192,6 +197,7 @@ impl<'a> Plan<'a> {
         let mut lobes: Vec<Option<usize>> = Vec::new();
         let mut products = Numbers::default();
         let mut seen = FxHashSet::default();
+        let join = model.join();
         for reading in rows.iter().map(|&row| &data.readings()[row]) {
             let (theta, phi) = (reading.geometry.theta, reading.geometry.phi);
             let plane = planes.of(reading.geometry.omega.to_bits());
@@ -199,7 +205,7 @@ impl<'a> Plan<'a> {
                 shares.push(reading.geometry.plane_shares());
             }
             let wavelength = reading.wavelength;
-            let product = match model.join() {
+            let product = match join {
                 Join::Planes => None,
                 Join::Product { .. } => {
                     let ambient = model.stack().media(wavelength)?.ambient;
@@ -216,7 +222,7 @@ impl<'a> Plan<'a> {
                 share_a,
                 share_b,
                 intensity: reading.intensity,
-                weight: reading.sigma.map_or(1.0, f64::recip),
+                weight: weight(reading),
                 curve: reading.curve,
             };
             let direction = directions.of((theta.to_bits(), phi.to_bits()));
@@ -289,6 +295,14 @@ impl<'a> Plan<'a> {
             reading.intensity = intensity;
         }
         self.rows.set_intensities(intensities);
+    }
+
+    /// Puts intensities and sigmas of readings of the same design in the place of those of the data.
+    pub(crate) fn set_readings<'r>(&mut self, readings: impl Iterator<Item = &'r Reading>) {
+        for (own, reading) in self.readings.iter_mut().zip(readings) {
+            (own.intensity, own.weight) = (reading.intensity, weight(reading));
+        }
+        self.rows.set_readings(&self.readings);
     }
 
     pub(crate) fn interference(&self, period: f64) -> Vec<f64> {

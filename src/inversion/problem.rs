@@ -11,7 +11,7 @@ use crate::inversion::plan::{Plan, Terms};
 use crate::inversion::rows::{self, Block, TermSlopes, Weighted, WeightedParts};
 use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
-use crate::numerics::dot::dot;
+use crate::numerics::dot::{dot, three_by_three};
 use crate::optimise::{Bounds, LeastSquares, Products, derivative, without_columns};
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
@@ -140,13 +140,8 @@ impl<'a> Problem<'a> {
             .flatten();
         // What does not move has no slope.
         let or_none = |slopes: Option<DVector<f64>>, like: &[f64]| slopes.unwrap_or_else(|| DVector::zeros(like.len()));
-        let times = |slopes: Option<DVector<f64>>, other: &[f64]| {
-            let mut slopes = or_none(slopes, other);
-            slopes.iter_mut().zip(other).for_each(|(slope, other)| *slope *= other);
-            slopes
-        };
         PointSlopes {
-            lamella: [times(period, &terms.diffraction), times(width, &terms.interference)],
+            lamella: [or_none(period, &terms.interference), or_none(width, &terms.diffraction)],
             stack: stack.map(|slopes| or_none(slopes, &terms.stack)),
             lobe: lobe.map(|slopes| or_none(slopes, &terms.lobe)),
             lobe_by_width,
@@ -162,15 +157,15 @@ impl<'a> Problem<'a> {
         let mut columns: [&mut [f64]; COUNT] = std::array::from_fn(|_| columns.next().unwrap_or_default());
         for block in self.plan.rows.blocks() {
             let own = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
-            self.add_slopes(block, point, &slopes, own);
+            self.slopes_of(block, point, &slopes, own);
         }
         if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }
     }
 
-    fn add_slopes(&self, block: &Block, point: &Evaluation, slopes: &PointSlopes, columns: [&mut [f64]; COUNT]) {
+    fn slopes_of(&self, block: &Block, point: &Evaluation, slopes: &PointSlopes, columns: [&mut [f64]; COUNT]) {
         let (on_a, on_b, _) = self.linear.factors(block.curve, &point.coefficients);
         let (terms, weights) = (point.terms.view(), &self.weighted.weights);
-        self.plan.rows.add_slopes(block, terms, &slopes.view(), weights, (on_a, on_b), columns);
+        self.plan.rows.slopes(block, terms, &slopes.view(), weights, (on_a, on_b), columns);
     }
 
     /// The products of the Jacobian at `point`, summed up block by block; `None` where its columns are so nearly those of
@@ -181,20 +176,35 @@ impl<'a> Problem<'a> {
         let mut gram = DMatrix::zeros(COUNT, COUNT);
         let mut gradient = DVector::zeros(COUNT);
         let mut along = DMatrix::zeros(active.len(), COUNT);
-        let mut memory: [Vec<f64>; COUNT] = Default::default();
+        let longest = self.plan.rows.blocks().iter().map(|block| block.rows.len()).max().unwrap_or(0);
+        let mut memory: [Vec<f64>; COUNT] = std::array::from_fn(|_| vec![0.0; longest]);
         for block in self.plan.rows.blocks() {
-            for column in &mut memory {
-                column.clear();
-                column.resize(block.rows.len(), 0.0);
-            }
-            self.add_slopes(block, point, &slopes, memory.each_mut().map(Vec::as_mut_slice));
-            for (j, column) in memory.iter().enumerate() {
-                for (i, other) in memory.iter().enumerate().skip(j) {
-                    gram[(i, j)] += dot(column, other);
+            self.slopes_of(block, point, &slopes, memory.each_mut().map(|column| &mut column[..block.rows.len()]));
+            let columns = memory.each_ref().map(|column| &column[..block.rows.len()]);
+            let [air, cuticle, tilt, half_width, width] = columns;
+            let own_residuals = &residuals.as_slice()[block.rows.clone()];
+            let (thicknesses, rest) = ([air, cuticle, tilt], [half_width, width, own_residuals]);
+            let (upper, corner) = (three_by_three(thicknesses, thicknesses), three_by_three(rest, thicknesses));
+            let lower = three_by_three(rest, rest);
+            for j in 0..3 {
+                for k in 0..3 {
+                    gram[(j, k)] += upper[j][k];
                 }
-                gradient[j] += dot(column, &residuals.as_slice()[block.rows.clone()]);
-                for (of, factor, values) in self.linear.columns_of(block.curve, &point.parts, &self.weighted) {
-                    if let Ok(place) = active.binary_search(&of) {
+                gram[(3, j)] += corner[0][j];
+                gram[(4, j)] += corner[1][j];
+                gradient[j] += corner[2][j];
+            }
+            gradient[3] += lower[2][0];
+            gradient[4] += lower[2][1];
+            for (i, j) in [(0, 0), (1, 0), (1, 1)] {
+                gram[(3 + i, 3 + j)] += lower[i][j];
+            }
+            if active.is_empty() {
+                continue;
+            }
+            for (of, factor, values) in self.linear.columns_of(block.curve, &point.parts, &self.weighted) {
+                if let Ok(place) = active.binary_search(&of) {
+                    for (j, column) in columns.iter().enumerate() {
                         along[(place, j)] += factor * dot(column, &values[block.rows.clone()]);
                     }
                 }

@@ -4,7 +4,7 @@ mod kernels;
 
 use crate::inversion::plan::{PlannedReading, TermsView};
 pub(crate) use kernels::residuals;
-use kernels::{add_both, add_lamella, add_scaled, along_both, along_the_lobe, along_the_stack};
+use kernels::{Slopes, products, slopes};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -22,39 +22,6 @@ enum Nodes {
     From(usize),
     /// These.
     Each(Vec<usize>),
-}
-
-impl Nodes {
-    /// The values of each of several quantities, where all readings have the same.
-    fn one<const N: usize>(&self, of: [&[f64]; N]) -> Option<[f64; N]> {
-        match self {
-            Self::Same(node) => Some(of.map(|values| values[*node])),
-            Self::From(_) | Self::Each(_) => None,
-        }
-    }
-
-    /// The values of each of several quantities at the nodes of `length` readings.
-    fn all<'a, const N: usize>(
-        &self,
-        of: [&'a [f64]; N],
-        length: usize,
-        scratch: &'a mut [Vec<f64>; N],
-    ) -> [&'a [f64]; N] {
-        let mut scratch = scratch.iter_mut();
-        of.map(|values| {
-            if let Self::From(first) = self {
-                return &values[*first..first + length];
-            }
-            let Some(scratch) = scratch.next() else { return &[] };
-            scratch.clear();
-            match self {
-                Self::Same(node) => scratch.resize(length, values[*node]),
-                Self::From(_) => {}
-                Self::Each(nodes) => scratch.extend(nodes.iter().map(|&node| values[node])),
-            }
-            scratch
-        })
-    }
 }
 
 /// Neighbouring readings of one curve in one plane.
@@ -108,7 +75,7 @@ pub(crate) struct WeightedParts {
 /// Derivatives of the terms at a plan's nodes, 0 where a parameter does not move.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TermSlopes<'a> {
-    /// `interference · diffraction` by the period and by the width of the lamellae.
+    /// The interference by the period, the diffraction by the width of the lamellae.
     pub(crate) lamella: [&'a [f64]; 2],
     /// By `d_air`, `d_cuticle` and the tilt.
     pub(crate) stack: [&'a [f64]; 3],
@@ -178,6 +145,13 @@ impl Rows {
         }
     }
 
+    /// Puts other weights and intensities in the place of those of the data.
+    pub(crate) fn set_readings(&mut self, readings: &[PlannedReading]) {
+        for ((weight, intensity), reading) in self.weights.iter_mut().zip(&mut self.intensities).zip(readings) {
+            (*weight, *intensity) = (reading.weight, reading.weight * reading.intensity);
+        }
+    }
+
     /// Neighbouring readings of one curve, and which it is.
     pub(crate) fn spans(&self) -> &[(usize, Range<usize>)] {
         &self.spans
@@ -197,89 +171,76 @@ impl Rows {
         Weighted { weights: Cow::Owned(times(&self.weights)), intensities: Cow::Owned(times(&self.intensities)) }
     }
 
+    /// Both models at every reading.
     pub(crate) fn parts(&self, terms: TermsView<'_>, weights: &[f64]) -> WeightedParts {
-        let mut parts = WeightedParts { lamella: vec![0.0; weights.len()], multilayer: vec![0.0; weights.len()] };
-        let mut scratch: [[Vec<f64>; 1]; 2] = Default::default();
-        for run in &self.runs {
-            let rows = run.rows.clone();
-            if run.share_a > 0.0 {
-                let factors = [(&run.lamella, terms.interference), (&run.lamella, terms.diffraction)];
-                let out = &mut parts.lamella[rows.clone()];
-                add_product(out, &weights[rows.clone()], run.share_a, factors, &mut scratch);
-            }
-            if run.share_b > 0.0 {
-                let factors = [(&run.stack, terms.stack), (&run.lobe, terms.lobe)];
-                let out = &mut parts.multilayer[rows.clone()];
-                add_product(out, &weights[rows], run.share_b, factors, &mut scratch);
-            }
-        }
-        parts
+        WeightedParts { lamella: self.lamella(terms, weights), multilayer: self.multilayer(terms, weights) }
     }
 
-    /// Adds to `columns`, of the readings of `block` alone, the weighted derivatives by `d_air`, `d_cuticle`, the tilt, the half-width of the lobe and the width
-    /// of the lamellae, where its curve has the factors `on_a` and `on_b` on the two models.
-    pub(crate) fn add_slopes(
+    /// Model A at every reading, with its share of the plane, times its weight.
+    pub(crate) fn lamella(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; weights.len()];
+        products(&mut values, weights, &self.runs, true, [terms.interference, terms.diffraction]);
+        values
+    }
+
+    /// The same of Model B.
+    pub(crate) fn multilayer(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; weights.len()];
+        products(&mut values, weights, &self.runs, false, [terms.stack, terms.lobe]);
+        values
+    }
+
+    /// Neighbouring readings of one curve that see both models.
+    pub(crate) fn crossed(&self) -> Vec<(usize, Range<usize>)> {
+        let mut crossed: Vec<(usize, Range<usize>)> = Vec::new();
+        for run in self.runs.iter().filter(|run| run.share_a > 0.0 && run.share_b > 0.0) {
+            match crossed.last_mut() {
+                Some((curve, rows)) if *curve == run.curve && rows.end == run.rows.start => rows.end = run.rows.end,
+                _ => crossed.push((run.curve, run.rows.clone())),
+            }
+        }
+        crossed
+    }
+
+    /// Writes into `columns`, of the readings of `block` alone, the weighted derivatives by `d_air`, `d_cuticle`, the
+    /// tilt, the half-width of the lobe and the width of the lamellae, where its curve has these factors on the two models.
+    pub(crate) fn slopes(
         &self,
         block: &Block,
         terms: TermsView<'_>,
-        slopes: &TermSlopes<'_>,
+        by: &TermSlopes<'_>,
         weights: &[f64],
-        (on_a, on_b): (f64, f64),
-        mut columns: [&mut [f64]; 5],
+        factors: (f64, f64),
+        columns: [&mut [f64]; 5],
     ) {
-        let (mut of_lamella, mut of_stack): ([Vec<f64>; 2], [Vec<f64>; 4]) = Default::default();
-        let (mut of_lobe, mut scratch): ([Vec<f64>; 3], [[Vec<f64>; 1]; 2]) = Default::default();
-        let stack = [terms.stack, slopes.stack[0], slopes.stack[1], slopes.stack[2]];
-        let lobe = [terms.lobe, slopes.lobe[0], slopes.lobe[1]];
-        for run in &self.runs[block.runs.clone()] {
-            let length = run.rows.len();
-            let weights = &weights[run.rows.clone()];
-            let rows = run.rows.start - block.rows.start..run.rows.end - block.rows.start;
-            let [air, cuticle, tilt, half_width, width] = columns.each_mut().map(|column| &mut column[rows.clone()]);
-            if run.share_a > 0.0 {
-                let along = run.lamella.all(slopes.lamella, length, &mut of_lamella);
-                add_lamella([&mut *air, &mut *cuticle, &mut *width], weights, on_a * run.share_a, along);
-            }
-            if run.share_b > 0.0 {
-                let factor = on_b * run.share_b;
-                let columns = [air, cuticle, tilt, half_width];
-                match (run.stack.one(stack), run.lobe.one(lobe)) {
-                    (Some(stack), None) => {
-                        along_the_lobe(columns, weights, factor, stack, run.lobe.all(lobe, length, &mut of_lobe));
-                    }
-                    (None, Some(lobe)) => {
-                        along_the_stack(columns, weights, factor, run.stack.all(stack, length, &mut of_stack), lobe);
-                    }
-                    _ => {
-                        let stack = run.stack.all(stack, length, &mut of_stack);
-                        along_both(columns, weights, factor, stack, run.lobe.all(lobe, length, &mut of_lobe));
-                    }
-                }
-                if let Some(by_width) = slopes.lobe_by_width {
-                    let factors = [(&run.stack, terms.stack), (&run.lobe, by_width)];
-                    add_product(width, weights, factor, factors, &mut scratch);
-                }
-            }
-        }
+        let of = Slopes {
+            factors,
+            lamella: [terms.interference, terms.diffraction, by.lamella[0], by.lamella[1]],
+            stack: [terms.stack, by.stack[0], by.stack[1], by.stack[2]],
+            lobe: [terms.lobe, by.lobe[0], by.lobe[1], by.lobe_by_width.unwrap_or(terms.lobe)],
+            lobe_sees_width: by.lobe_by_width.is_some(),
+        };
+        slopes(columns, &weights[block.rows.clone()], &self.runs[block.runs.clone()], &of);
     }
 }
 
 /// How many of the first readings make one run: of one curve and plane, each node standing still or going on by one.
 fn steady(readings: &[PlannedReading], curve_of: &impl Fn(&PlannedReading) -> usize) -> usize {
-    let Some(first) = readings.first() else { return 0 };
+    let [first, second, ..] = readings else { return readings.len() };
     let of = |reading: &PlannedReading| [reading.lamella, reading.stack, reading.lobe];
-    let start = of(first);
-    let mut can_be = [(true, true); 3];
+    let (start, next) = (of(first), of(second));
+    let mut steps = [0; 3];
+    for (step, (start, next)) in steps.iter_mut().zip(start.iter().zip(next)) {
+        *step = usize::from(next != *start);
+    }
     for (place, reading) in readings.iter().enumerate().skip(1) {
-        let next: [(bool, bool); 3] = std::array::from_fn(|i| {
-            let (same, from) = can_be[i];
-            let node = of(reading)[i];
-            (same && node == start[i], from && node == start[i] + place)
-        });
-        if !is_like(first, reading, curve_of) || next.iter().any(|(same, from)| !(same | from)) {
+        let mut goes_on = is_like(first, reading, curve_of);
+        for ((node, start), step) in of(reading).into_iter().zip(start).zip(steps) {
+            goes_on &= node == start + step * place;
+        }
+        if !goes_on {
             return place;
         }
-        can_be = next;
     }
     readings.len()
 }
@@ -296,25 +257,6 @@ fn nodes(run: &[PlannedReading], of: impl Fn(&PlannedReading) -> usize) -> Nodes
         [first, second, ..] if of(second) != of(first) => Nodes::From(of(first)),
         [first, ..] => Nodes::Same(of(first)),
         [] => Nodes::Each(Vec::new()),
-    }
-}
-
-/// `out_i += w_i factor x_i y_i`
-fn add_product(
-    out: &mut [f64],
-    weights: &[f64],
-    factor: f64,
-    [(x, of_x), (y, of_y)]: [(&Nodes, &[f64]); 2],
-    [scratch_x, scratch_y]: &mut [[Vec<f64>; 1]; 2],
-) {
-    let length = out.len();
-    match (x.one([of_x]), y.one([of_y])) {
-        (Some([x]), _) => add_scaled(out, weights, factor * x, y.all([of_y], length, scratch_y)[0]),
-        (_, Some([y])) => add_scaled(out, weights, factor * y, x.all([of_x], length, scratch_x)[0]),
-        _ => {
-            let ([x], [y]) = (x.all([of_x], length, scratch_x), y.all([of_y], length, scratch_y));
-            add_both(out, weights, factor, x, y);
-        }
     }
 }
 

@@ -5,117 +5,90 @@
 
 use crate::inversion::nuisance::Sums;
 use crate::inversion::plan::{Plan, TermsView};
+use crate::inversion::rows::{Rows, Weighted};
 use crate::numerics::dot::dot;
 use std::ops::Range;
-
-/// A reading that sees one of the two models.
-#[derive(Debug, Clone, Copy)]
-struct Row {
-    /// Nodes of its two factors.
-    nodes: (usize, usize),
-    curve: usize,
-    share: f64,
-    /// `1 / sigma²`, and that times the intensity.
-    weight: f64,
-    weighted_intensity: f64,
-    /// Place among the readings that see both models.
-    crossed: Option<usize>,
-}
 
 /// What the readings say of one model.
 #[derive(Debug)]
 pub(crate) struct OfPart {
     /// For each curve: the sum of its squares, of its products with the intensity, and of itself.
     sums: Vec<[f64; 3]>,
-    /// Its values over sigma where a reading sees the other model too.
+    /// Its values over sigma.
     values: Vec<f64>,
 }
 
-/// The readings of a plan by what they see.
+/// The readings of a plan by curve; curves with the same nuisances count as one.
 #[derive(Debug)]
-pub(crate) struct Screening {
-    lamella: Vec<Row>,
-    multilayer: Vec<Row>,
-    /// Readings that see both models, of each curve in turn.
-    crossed: Vec<Range<usize>>,
+pub(crate) struct Screening<'a> {
+    rows: &'a Rows,
+    weighted: Weighted<'a>,
     /// Sums that no structure changes, for each curve.
     constant: Vec<Sums>,
+    /// The curves that have readings.
+    curves: Vec<usize>,
+    /// Neighbours of one curve that see both models.
+    crossed: Vec<(usize, Range<usize>)>,
 }
 
-impl Screening {
-    pub(crate) fn new(plan: &Plan<'_>) -> Self {
+impl<'a> Screening<'a> {
+    pub(crate) fn new(plan: &'a Plan<'_>) -> Self {
+        let (rows, weighted) = (&plan.rows, plan.rows.weighted(&[]));
         let mut constant = vec![Sums::default(); plan.curves];
-        let mut by_curve = vec![Vec::new(); plan.curves];
-        for (index, reading) in plan.readings.iter().enumerate() {
-            constant[reading.curve].add(reading.weight * reading.weight, (0.0, 0.0), reading.intensity);
-            by_curve[reading.curve].push(index);
+        let mut curves = Vec::new();
+        for (curve, span) in rows.spans() {
+            let (weights, intensities) = (&weighted.weights[span.clone()], &weighted.intensities[span.clone()]);
+            constant[*curve].products[2][2] += dot(weights, weights);
+            constant[*curve].with_intensity[2] += dot(weights, intensities);
+            constant[*curve].square += dot(intensities, intensities);
+            curves.push(*curve);
         }
-        let (mut lamella, mut multilayer, mut crossed) = (Vec::new(), Vec::new(), Vec::new());
-        let mut next = 0;
-        for (curve, rows) in by_curve.into_iter().enumerate() {
-            let first = next;
-            for reading in rows.into_iter().map(|index| &plan.readings[index]) {
-                let both = reading.share_a > 0.0 && reading.share_b > 0.0;
-                let weight = reading.weight * reading.weight;
-                let row = |nodes, share| Row {
-                    nodes,
-                    curve,
-                    share,
-                    weight,
-                    weighted_intensity: weight * reading.intensity,
-                    crossed: both.then_some(next),
-                };
-                if reading.share_a > 0.0 {
-                    lamella.push(row((reading.lamella, reading.lamella), reading.share_a));
-                }
-                if reading.share_b > 0.0 {
-                    multilayer.push(row((reading.stack, reading.lobe), reading.share_b));
-                }
-                next += usize::from(both);
-            }
-            crossed.push(first..next);
-        }
-        Self { lamella, multilayer, crossed, constant }
+        curves.sort_unstable();
+        curves.dedup();
+        Self { rows, weighted, constant, curves, crossed: rows.crossed() }
     }
 
     /// Sums of Model A.
     pub(crate) fn lamella(&self, terms: TermsView<'_>) -> OfPart {
-        self.sums(&self.lamella, terms.interference, terms.diffraction)
+        self.of_part(self.rows.lamella(terms, &self.weighted.weights))
     }
 
     /// Sums of Model B.
     pub(crate) fn multilayer(&self, terms: TermsView<'_>) -> OfPart {
-        self.sums(&self.multilayer, terms.stack, terms.lobe)
+        self.of_part(self.rows.multilayer(terms, &self.weighted.weights))
     }
 
-    fn sums(&self, rows: &[Row], first: &[f64], second: &[f64]) -> OfPart {
+    fn of_part(&self, values: Vec<f64>) -> OfPart {
         let mut sums = vec![[0.0; 3]; self.constant.len()];
-        let mut values = vec![0.0; self.crossed.last().map_or(0, |last| last.end)];
-        for run in rows.chunk_by(|a, b| a.curve == b.curve) {
-            let mut own = [0.0; 3];
-            for row in run {
-                let value = row.share * first[row.nodes.0] * second[row.nodes.1];
-                let weighted = row.weight * value;
-                own[0] += weighted * value;
-                own[1] += row.weighted_intensity * value;
-                own[2] += weighted;
-                if let Some(place) = row.crossed {
-                    values[place] = value * row.weight.sqrt();
-                }
+        for (curve, span) in self.rows.spans() {
+            let own = &values[span.clone()];
+            let with = |others: &[f64]| dot(own, &others[span.clone()]);
+            let found = [dot(own, own), with(&self.weighted.intensities), with(&self.weighted.weights)];
+            for (sum, found) in sums[*curve].iter_mut().zip(found) {
+                *sum += found;
             }
-            sums[run[0].curve] = own;
         }
         OfPart { sums, values }
     }
 
-    /// Hands the sums of each curve to `add`.
-    pub(crate) fn join(&self, lamella: &OfPart, multilayer: &OfPart, mut add: impl FnMut(usize, &Sums)) {
-        for (curve, constant) in self.constant.iter().enumerate() {
-            let mut sums = *constant;
+    /// Hands the sums of each curve to `add`; `products` is memory for them.
+    pub(crate) fn join(
+        &self,
+        lamella: &OfPart,
+        multilayer: &OfPart,
+        products: &mut Vec<f64>,
+        mut add: impl FnMut(usize, &Sums),
+    ) {
+        products.clear();
+        products.resize(self.constant.len(), 0.0);
+        for (curve, span) in &self.crossed {
+            products[*curve] += dot(&lamella.values[span.clone()], &multilayer.values[span.clone()]);
+        }
+        for &curve in &self.curves {
+            let mut sums = self.constant[curve];
             [sums.products[0][0], sums.with_intensity[0], sums.products[2][0]] = lamella.sums[curve];
             [sums.products[1][1], sums.with_intensity[1], sums.products[2][1]] = multilayer.sums[curve];
-            let rows = self.crossed[curve].clone();
-            sums.products[1][0] = dot(&lamella.values[rows.clone()], &multilayer.values[rows]);
+            sums.products[1][0] = products[curve];
             add(curve, &sums);
         }
     }
@@ -150,7 +123,7 @@ mod tests {
             let (lamella, multilayer) = (screening.lamella(terms.view()), screening.multilayer(terms.view()));
             let mut equations = linear.no_equations();
             let add = |curve, sums: &Sums| linear.add(&mut equations, curve, sums);
-            screening.join(&lamella, &multilayer, add);
+            screening.join(&lamella, &multilayer, &mut Vec::new(), add);
             let weighted = plan.rows.weighted(&[]);
             let parts = plan.rows.parts(terms.view(), &weighted.weights);
             let whole = linear.normal_equations(&plan.rows, &parts, &weighted);
@@ -162,7 +135,8 @@ mod tests {
             none.stack.fill(f64::NAN);
             let multilayer = screening.multilayer(none.view());
             equations.clear();
-            screening.join(&lamella, &multilayer, |curve, sums| linear.add(&mut equations, curve, sums));
+            screening
+                .join(&lamella, &multilayer, &mut Vec::new(), |curve, sums| linear.add(&mut equations, curve, sums));
             assert!(equations.best_sum_of_squares().is_infinite(), "{scale:?}");
         }
     }

@@ -277,14 +277,17 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
     let screening = Screening::new(plan);
     let cell = |outer: &Vec<f64>| {
         let mut best = Cell { cost: f64::INFINITY, values: [f64::NAN; COUNT] };
-        let mut equations = linear.no_equations();
+        let (mut equations, mut products) = (linear.no_equations(), Vec::new());
         let mut interference: Option<(u64, Vec<f64>)> = None;
         // A thickness may be linked to an inner parameter: it is a part of the keys.
         let mut stacks: FxHashMap<[u64; 3], Vec<f64>> = FxHashMap::default();
         let mut lamellae: FxHashMap<[u64; 2], OfPart> = FxHashMap::default();
         let mut multilayers: FxHashMap<([u64; 2], [u64; 3]), OfPart> = FxHashMap::default();
+        let mut free = DVector::zeros(space.freedom.free.len());
+        free.rows_mut(0, outer.len()).copy_from_slice(outer);
         for inner in inner {
-            let values = full(outer, inner);
+            free.rows_mut(outer.len(), inner.len()).copy_from_slice(inner);
+            let values = space.freedom.expand(&free);
             let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = values;
             if !inside(&values) {
                 continue;
@@ -320,7 +323,7 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
             let multilayer =
                 multilayers.entry(([air, cuticle], lobe_key)).or_insert_with(|| screening.multilayer(terms));
             equations.clear();
-            screening.join(lamella, multilayer, |curve, sums| linear.add(&mut equations, curve, sums));
+            screening.join(lamella, multilayer, &mut products, |curve, sums| linear.add(&mut equations, curve, sums));
             let cost = equations.best_sum_of_squares();
             if cost < best.cost {
                 best = Cell { cost, values };

@@ -10,11 +10,12 @@ const OUTLIER: f64 = 0.5;
 
 /// A warning if one reading makes up most of chi².
 pub(crate) fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) -> Option<String> {
-    let size = |row: usize| readings[row].residual.abs() * found.plan.readings[row].weight;
-    let worst = (0..readings.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+    let sizes =
+        readings.iter().zip(&found.plan.readings).map(|(fitted, planned)| fitted.residual.abs() * planned.weight);
+    let (worst, size) = sizes.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let line = found.data.readings()[worst].line;
     let place = if line > 0 { format!("line {line}") } else { format!("reading {}", worst + 1) };
-    (size(worst).powi(2) > OUTLIER * chi2).then(|| {
+    (size.powi(2) > OUTLIER * chi2).then(|| {
         format!("one reading makes up most of chi²: {place}; leave it out or use a robust loss (huber, cauchy)")
     })
 }

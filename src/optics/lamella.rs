@@ -77,7 +77,7 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
         return half_kv.iter().map(|half_kv| array_factor(half_kv * period, layers).powi(2)).collect();
     }
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
-    let count = layers.max(1) as f64;
+    let per_count = 1.0 / layers.max(1) as f64;
     let mut squares = vec![0.0; half_kv.len()];
     for (nodes, out) in half_kv.chunks(BLOCK).zip(squares.chunks_mut(BLOCK)) {
         let phases = padded(nodes);
@@ -92,7 +92,7 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
             }
         }
         for (out, u) in out.iter_mut().zip(u) {
-            *out = (u / count) * (u / count);
+            *out = (u * per_count) * (u * per_count);
         }
     }
     squares
@@ -135,7 +135,7 @@ pub(crate) fn interference_slopes(half_kv: &[f64], period: f64, layers: usize) -
 #[inline(always)]
 fn interference_slopes_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usize) -> Vec<f64> {
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
-    let count = layers.max(1) as f64;
+    let per_square = 1.0 / (layers.max(1) as f64).powi(2);
     let mut slopes = vec![0.0; half_kv.len()];
     for (nodes, out) in half_kv.chunks(BLOCK).zip(slopes.chunks_mut(BLOCK)) {
         let (mut twice_cos, mut twice_sin) = ([0.0; BLOCK], [0.0; BLOCK]);
@@ -157,7 +157,7 @@ fn interference_slopes_of<const FUSED: bool>(half_kv: &[f64], period: f64, layer
         }
         let mut found = [0.0; BLOCK];
         for lane in 0..BLOCK {
-            found[lane] = -2.0 * u[lane] * by_u[lane] * twice_sin[lane] * phases[lane] / (count * count);
+            found[lane] = -2.0 * u[lane] * by_u[lane] * twice_sin[lane] * phases[lane] * per_square;
         }
         out.copy_from_slice(&found[..nodes.len()]);
     }
@@ -191,10 +191,15 @@ fn diffraction_slopes_of<const FUSED: bool>(
         let safe = if small { 1.0 } else { y };
         let (sin, cos) = sin_cos_fused::<FUSED>(safe);
         let z = y * y;
-        let sinc = if small { 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0)) } else { sin / safe };
+        let ratio = 1.0 / safe;
+        let sinc = if small {
+            1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0) * (1.0 - z * (1.0 / 42.0)))
+        } else {
+            sin * ratio
+        };
         // (y cos y - sin y) / y², which cancels where y is small
-        let series = -y / 3.0 * (1.0 - z / 10.0 * (1.0 - z / 28.0 * (1.0 - z / 54.0)));
-        let by_y = if small { series } else { (cos - sin / safe) / safe };
+        let inner = 1.0 - z * (1.0 / 10.0) * (1.0 - z * (1.0 / 28.0) * (1.0 - z * (1.0 / 54.0)));
+        let by_y = if small { -y * (1.0 / 3.0) * inner } else { (cos - sin * ratio) * ratio };
         *slope = obliquity * (factor_slope * sinc * sinc + factor * 2.0 * sinc * by_y * half_ku);
     }
     slopes

@@ -10,6 +10,7 @@
 //! # Source
 //! Moré 1978, DOI 10.1007/BFb0067700 (MINPACK `lmder`): its radius rules and its tests for the end.
 
+use crate::numerics::dot::dot;
 use crate::optimise::bounds::Bounds;
 use crate::optimise::objective::Linearise;
 use crate::optimise::products::Products;
@@ -106,7 +107,7 @@ impl LevenbergMarquardt {
 }
 
 fn half_square(residuals: &DVector<f64>) -> f64 {
-    let cost = 0.5 * residuals.norm_squared();
+    let cost = 0.5 * dot(residuals.as_slice(), residuals.as_slice());
     if cost.is_finite() { cost } else { f64::INFINITY }
 }
 
@@ -136,8 +137,8 @@ where
         let start = self.bounds.clamp(&start);
         let residuals = problem.apply(&start)?;
         self.evaluations += 1;
-        self.first_norm = residuals.norm();
         let cost = half_square(&residuals);
+        self.first_norm = (2.0 * cost).sqrt();
         let (m, n) = (residuals.len(), start.len());
         let state = state.param(start).residuals(residuals).cost(cost);
         if m < n {
@@ -153,8 +154,8 @@ where
         let (Some(parameters), Some(residuals)) = (state.take_param(), state.take_residuals()) else {
             return Err(Error::msg("Levenberg-Marquardt lost its state"));
         };
-        let cost = half_square(&residuals);
-        let norm = residuals.norm();
+        let cost = state.cost;
+        let norm = (2.0 * cost).sqrt();
         let products = problem.problem("products_count", |problem| Ok(problem.products(&parameters, &residuals)))?;
         let gradient = products.gradient();
         let back =
@@ -252,22 +253,20 @@ where
             } else {
                 None
             };
-            let state_of = |state: Iterate| {
-                if accepted {
-                    back(state, moved.clone(), new_residuals.clone(), new_cost)
-                } else {
-                    back(state, parameters.clone(), residuals.clone(), cost)
-                }
-            };
             if let Some(mut termination) = ended {
                 let short = termination == Termination::StepConverged && !accepted;
                 if short && cosine > STALLED_COSINE && norm > ROUNDING * self.first_norm {
                     termination = Termination::Stalled;
                 }
-                return Ok((self.end(state_of(state), termination), None));
+                let state = if accepted {
+                    back(state, moved, new_residuals, new_cost)
+                } else {
+                    back(state, parameters, residuals, cost)
+                };
+                return Ok((self.end(state, termination), None));
             }
             if accepted {
-                return Ok((state_of(state), None));
+                return Ok((back(state, moved, new_residuals, new_cost), None));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! One run from one start.
 
+use crate::numerics::dot::dot;
 use crate::numerics::singular::right_singular;
 use crate::optimise::levenberg_marquardt::{LevenbergMarquardt, Tolerances};
 use crate::optimise::objective::{ArgminProblem, LeastSquares};
@@ -41,7 +42,7 @@ impl Minimum {
     /// Sum of squared residuals; infinite if one is not finite.
     #[must_use]
     pub fn sum_of_squares(&self) -> f64 {
-        let sum = self.residuals.norm_squared();
+        let sum = dot(self.residuals.as_slice(), self.residuals.as_slice());
         if sum.is_finite() { sum } else { f64::INFINITY }
     }
 }

@@ -15,6 +15,9 @@ const RADIUS_TOLERANCE: f64 = 0.1;
 /// Newton's method for the multiplier has a few steps; more than this is a sign of non-finite input.
 const MAX_NEWTON_STEPS: usize = 30;
 
+/// A pivot that is less of its column than this may hide a rank loss: singular values tell.
+const LEAST_PIVOT: f64 = 1e-4;
+
 /// A step, and whether the radius held it back.
 #[derive(Debug, Clone)]
 pub(crate) struct Step {
@@ -63,8 +66,24 @@ pub(crate) fn bounded_step(
     Step { step, held_back }
 }
 
+/// The least-squares step itself, if `a` is a triangle far from rank loss: the last steps of a run are of this kind.
+fn by_substitution(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+    let n = a.ncols();
+    let sound = |j: usize| {
+        let column = a.column(j);
+        a[(j, j)].abs() > LEAST_PIVOT * column.norm() && column.iter().skip(j + 1).all(|below| *below == 0.0)
+    };
+    if a.nrows() != n || !(0..n).all(sound) {
+        return None;
+    }
+    a.solve_upper_triangular(&-b)
+}
+
 /// `minimise ‖A z + b‖ over ‖z‖ <= radius`.
 fn unbounded_step(a: DMatrix<f64>, b: &DVector<f64>, radius: f64) -> Step {
+    if let Some(step) = by_substitution(&a, b).filter(|step| step.norm() <= radius * (1.0 + RADIUS_TOLERANCE)) {
+        return Step { step, held_back: false };
+    }
     let columns = a.ncols();
     let svd = a.svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
@@ -123,6 +142,22 @@ mod tests {
         let narrow = bounded_step(&r, &b, &d, 0.1, &lower, &upper);
         assert!(narrow.held_back);
         assert_relative_eq!(narrow.step.norm(), 0.1, max_relative = 0.11);
+    }
+
+    #[test]
+    fn a_triangle_is_solved_as_its_singular_values_solve_it() {
+        let r = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, -0.5, 0.0, 3.0, 0.1, 0.0, 0.0, 1e-3]);
+        let b = DVector::from_vec(vec![-4.0, -6.0, 1e-3]);
+        let by_singular_values = -(r.clone().svd(true, true).solve(&b, 0.0).unwrap());
+        assert_relative_eq!(by_substitution(&r, &b).unwrap(), by_singular_values, max_relative = 1e-12);
+        // Not where a column is nearly those before it, nor of a matrix that is no triangle.
+        let mut hidden = r.clone();
+        hidden[(2, 2)] = 1e-6;
+        assert_eq!(by_substitution(&hidden, &b), None);
+        hidden[(2, 2)] = 1.0;
+        hidden[(2, 0)] = 1.0;
+        assert_eq!(by_substitution(&hidden, &b), None);
+        assert_eq!(by_substitution(&r.remove_column(1), &b), None);
     }
 
     #[test]

@@ -62,6 +62,7 @@ fn runs_hold_every_reading_once_in_order() {
     assert_eq!(rows.runs.len(), 7);
     let spans: Vec<usize> = rows.spans().iter().map(|(curve, _)| *curve).collect();
     assert_eq!(spans, [0, 1, 2, 0]);
+    assert_eq!(rows.crossed(), [(0, 0..60), (2, 71..101)]);
 }
 
 /// Against the sum written out, reading by reading.
@@ -83,11 +84,11 @@ fn parts_and_slopes_are_those_of_each_reading() {
         lobe_by_width: Some(&lobe[2]),
     };
     let factors = [(0.3, 0.7, 0.0), (1.1, 0.9, 0.1), (2.0, 0.4, 0.2)];
-    let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; all.len()]);
+    let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| vec![f64::NAN; all.len()]);
     for block in rows.blocks() {
         let (on_a, on_b, _) = factors[block.curve];
         let columns = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
-        rows.add_slopes(block, terms, &slopes, &weighted.weights, (on_a, on_b), columns);
+        rows.slopes(block, terms, &slopes, &weighted.weights, (on_a, on_b), columns);
     }
     let parts = rows.parts(terms, &weighted.weights);
     let mut left = vec![0.0; all.len()];
@@ -105,11 +106,11 @@ fn parts_and_slopes_are_those_of_each_reading() {
         let value = a * p[i] * d[i] + b * r[j] * l[k];
         assert_relative_eq!(left[row], value + w * (background - reading.intensity), epsilon = 1e-14);
         let expected = [
-            a * lamella[0][i] + b * stack[0][j] * l[k],
-            a * lamella[0][i] + b * stack[1][j] * l[k],
+            a * lamella[0][i] * d[i] + b * stack[0][j] * l[k],
+            a * lamella[0][i] * d[i] + b * stack[1][j] * l[k],
             b * (stack[2][j] * l[k] + r[j] * lobe[0][k]),
             b * r[j] * lobe[1][k],
-            a * lamella[1][i] + b * r[j] * lobe[2][k],
+            a * lamella[1][i] * p[i] + b * r[j] * lobe[2][k],
         ];
         for (column, expected) in columns.iter().zip(expected) {
             assert_relative_eq!(column[row], expected, epsilon = 1e-14);

@@ -1,0 +1,171 @@
+//! Many fits with the same choices: what data sets of one design share is compiled once.
+
+use crate::dataset::{Dataset, Reading};
+use crate::inversion::compiled::Compiled;
+use crate::inversion::fit::{FitError, THINNED, check, fit_compiled};
+use crate::inversion::nuisance::LinearPart;
+use crate::inversion::outcome::Fit;
+use crate::inversion::plan::Plan;
+use crate::inversion::settings::{FitSettings, Search};
+use crate::optics::{OpticsError, ReflectivityModel};
+use std::sync::{Arc, RwLock};
+
+/// Fits data sets one after another or side by side, each to the same bits as [`fit`](crate::inversion::fit) does.
+///
+/// Data sets whose readings have the same wavelengths, angles, polarizations and curves, as the pixels of a map do, share
+/// what the readings see of the model; other data sets are compiled for themselves.
+///
+/// ```
+/// use morpho_fit::inversion::{FitSettings, Fitter};
+/// use morpho_fit::optics::{BlendModel, Structure};
+/// use morpho_fit::synthetic::{Scan, simulate};
+///
+/// let (model, blue) = (BlendModel::default(), Structure::blue());
+/// let fitter = Fitter::new(FitSettings::default())?;
+/// for (seed, d_air) in [(1, 135.0), (2, 141.0)] {
+///     let pixel = Structure { d_air, ..blue };
+///     let data = simulate(&model, &pixel, &Scan::full_design(&model, &blue)?, 1.0, 0.01, seed)?;
+///     let found = fitter.fit(&data, &|_| {})?.outcome.parameters.d_air;
+///     assert!((found.value.unwrap() - d_air).abs() < 4.0 * found.sigma.unwrap());
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Fitter {
+    settings: FitSettings,
+    model: Arc<dyn ReflectivityModel>,
+    /// Of the data set before.
+    design: RwLock<Option<Arc<Design>>>,
+}
+
+/// A design of measurement, compiled.
+#[derive(Debug)]
+struct Design {
+    readings: Vec<Reading>,
+    curves: usize,
+    whole: Part,
+    thinned: Option<Part>,
+}
+
+/// Some of a design's readings, compiled.
+#[derive(Debug)]
+struct Part {
+    rows: Vec<usize>,
+    plan: Plan<'static>,
+    linear: LinearPart,
+}
+
+impl Fitter {
+    /// For fits by `settings`.
+    ///
+    /// # Errors
+    /// [`FitError`] for choices that cannot be fitted.
+    pub fn new(settings: FitSettings) -> Result<Self, FitError> {
+        settings.validate()?;
+        let model = settings.forward()?.into();
+        Ok(Self { settings, model, design: RwLock::new(None) })
+    }
+
+    /// Fits `data`; any number of threads may ask.
+    ///
+    /// # Errors
+    /// As [`fit`](crate::inversion::fit).
+    pub fn fit(&self, data: &Dataset, progress: &(dyn Fn(&str) + Sync)) -> Result<Fit, FitError> {
+        check(data)?;
+        let known = self.design.read().ok().and_then(|design| design.clone()).filter(|design| design.is_of(data));
+        let design = match known {
+            Some(design) => design,
+            None => {
+                let made = Arc::new(Design::new(data, &self.settings, &self.model)?);
+                if let Ok(mut kept) = self.design.write() {
+                    *kept = Some(Arc::clone(&made));
+                }
+                made
+            }
+        };
+        let of = |part: &Part| part.with(data, &self.settings);
+        fit_compiled(&of(&design.whole), design.thinned.as_ref().map(of).as_ref(), progress)
+    }
+}
+
+impl Design {
+    fn new(data: &Dataset, settings: &FitSettings, model: &Arc<dyn ReflectivityModel>) -> Result<Self, OpticsError> {
+        let part = |rows| Part::new(data, settings, model, rows);
+        let thinned = match settings.search {
+            Search::Global => Some(part(Plan::thinned_rows(data, THINNED))?),
+            Search::Local => None,
+        };
+        let whole = part((0..data.readings().len()).collect())?;
+        Ok(Self { readings: data.readings().to_vec(), curves: data.curves().len(), whole, thinned })
+    }
+
+    /// Whether the readings of `data` differ from these in intensity and sigma alone.
+    fn is_of(&self, data: &Dataset) -> bool {
+        let same = |(own, other): (&Reading, &Reading)| {
+            let bits = |reading: &Reading| {
+                let at = reading.geometry;
+                [reading.wavelength, at.theta, at.phi, at.omega].map(f64::to_bits)
+            };
+            bits(own) == bits(other) && own.polarization == other.polarization && own.curve == other.curve
+        };
+        self.curves == data.curves().len()
+            && self.readings.len() == data.readings().len()
+            && self.readings.iter().zip(data.readings()).all(same)
+    }
+}
+
+impl Part {
+    fn new(
+        data: &Dataset,
+        settings: &FitSettings,
+        model: &Arc<dyn ReflectivityModel>,
+        rows: Vec<usize>,
+    ) -> Result<Self, OpticsError> {
+        let compiled = Compiled::of_rows(data, settings, model.as_ref(), &rows)?;
+        Ok(Self { rows, plan: compiled.plan.keeping(Arc::clone(model)), linear: compiled.linear })
+    }
+
+    fn with<'a>(&self, data: &'a Dataset, settings: &'a FitSettings) -> Compiled<'a> {
+        let mut plan = self.plan.clone();
+        plan.set_readings(self.rows.iter().map(|&row| &data.readings()[row]));
+        Compiled { data, settings, plan, linear: self.linear.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inversion::fit::fit;
+    use crate::inversion::settings::ModelChoice;
+    use crate::optics::{BlendModel, Structure};
+    use crate::synthetic::{Scan, simulate};
+
+    /// Of one design, of another one and back, with other noise, each to the last bit.
+    #[test]
+    fn each_fit_is_what_it_is_alone() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let full = Scan::full_design(&model, &blue).unwrap();
+        let pixel = |d_air, seed, scans: &[Scan]| {
+            simulate(&model, &Structure { d_air, ..blue }, scans, 1.0, 0.01 * seed as f64, seed).unwrap()
+        };
+        let sets =
+            [pixel(141.0, 1, &full), pixel(135.0, 2, &full), pixel(138.0, 3, &full[..4]), pixel(150.0, 4, &full)];
+        for (search, model) in
+            [(Search::Global, ModelChoice::Blend), (Search::Local, ModelChoice::Hybrid { ridge_spacing: 750.0 })]
+        {
+            let settings = FitSettings { search, model, ..FitSettings::default() };
+            let fitter = Fitter::new(settings.clone()).unwrap();
+            for data in &sets {
+                let (alone, together) = (fit(data, &settings, &|_| {}).unwrap(), fitter.fit(data, &|_| {}).unwrap());
+                assert_eq!(format!("{:?}", alone.outcome), format!("{:?}", together.outcome));
+                assert_eq!(alone.readings, together.readings);
+            }
+        }
+    }
+
+    #[test]
+    fn choices_that_cannot_be_fitted_are_refused_at_once() {
+        let model = ModelChoice::Hybrid { ridge_spacing: -1.0 };
+        assert!(Fitter::new(FitSettings { model, ..FitSettings::default() }).is_err());
+    }
+}
