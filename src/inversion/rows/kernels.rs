@@ -93,13 +93,13 @@ pub(super) fn products(out: &mut [f64], weights: &[f64], runs: &[Run], is_lamell
         }
         match (x, y) {
             (Nodes::From(x), Nodes::From(y)) => {
-                along!(length, product(out, weights, share, terms, Onward(*x), Onward(*y)))
+                along!(length, product(out, weights, share, terms, Onward(*x), Onward(*y)));
             }
             (Nodes::Same(x), Nodes::From(y)) => {
-                along!(length, product(out, weights, share, terms, Still(*x), Onward(*y)))
+                along!(length, product(out, weights, share, terms, Still(*x), Onward(*y)));
             }
             (Nodes::From(x), Nodes::Same(y)) => {
-                along!(length, product(out, weights, share, terms, Onward(*x), Still(*y)))
+                along!(length, product(out, weights, share, terms, Onward(*x), Still(*y)));
             }
             _ => along!(length, product(out, weights, share, terms, x, y)),
         }
