@@ -13,7 +13,7 @@
 
 use crate::inversion::plan::Plan;
 use crate::inversion::rows::{Rows, Weighted, WeightedParts};
-use crate::numerics::dot::dot;
+use crate::numerics::dot::{dot, three_by_three};
 use crate::numerics::nonnegative;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::{Deserialize, Serialize};
@@ -200,9 +200,9 @@ impl LinearPart {
     ) -> NormalEquations {
         let mut equations = self.no_equations();
         for (curve, span) in rows.spans() {
-            let columns = [&parts.lamella[..], &parts.multilayer[..], &weighted.weights[..]];
-            let columns = columns.map(|values| &values[span.clone()]);
-            self.add(&mut equations, *curve, &Sums::new(columns, &weighted.intensities[span.clone()]));
+            let models = [&parts.lamella[..], &parts.multilayer[..], &weighted.intensities[..]];
+            let background = self.targets[*curve].2.map(|_| &weighted.weights[span.clone()]);
+            self.add(&mut equations, *curve, &Sums::new(models.map(|values| &values[span.clone()]), background));
         }
         equations.complete();
         equations
@@ -317,16 +317,15 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Of A, B and 1, and of the intensities, all times the weights.
-    fn new(columns: [&[f64]; 3], intensities: &[f64]) -> Self {
-        let mut sums = Self::default();
-        for (i, column) in columns.iter().enumerate() {
-            for (j, other) in columns.iter().enumerate().take(i + 1) {
-                sums.products[i][j] = dot(column, other);
-            }
-            sums.with_intensity[i] = dot(column, intensities);
+    /// Of A, B and the intensities, and of 1 where there is a background; all times the weights.
+    fn new(columns: [&[f64]; 3], one: Option<&[f64]>) -> Self {
+        let [a, b, y] = three_by_three(columns, columns);
+        let mut sums = Self { products: [[a[0], 0.0, 0.0], [b[0], b[1], 0.0], [0.0; 3]], ..Self::default() };
+        (sums.with_intensity, sums.square) = ([y[0], y[1], 0.0], y[2]);
+        if let Some(one) = one {
+            sums.products[2] = [dot(one, columns[0]), dot(one, columns[1]), dot(one, one)];
+            sums.with_intensity[2] = dot(one, columns[2]);
         }
-        sums.square = dot(intensities, intensities);
         sums
     }
 }

@@ -61,18 +61,23 @@ impl Convergence {
         if half < SHORTEST_HALF || !chains.iter().all(usable) {
             return None;
         }
-        // The quantiles are of all steps, the rest of the halves.
-        let mut all: Vec<f64> = chains.concat();
-        all.sort_by(f64::total_cmp);
         let halves = chains.iter().flat_map(|chain| [&chain[..half], &chain[steps - half..]]);
         let values: Vec<f64> = halves.flatten().copied().collect();
-        let scores = Halves::of_ranks(&values, half)?;
-        let mut sorted = values.clone();
-        sorted.sort_by(f64::total_cmp);
+        let order = ranked(&values);
+        let scores = Halves::of_ranks(&order, half)?;
+        let sorted: Vec<f64> = order.iter().map(|(value, _)| *value).collect();
         let median = quantile(&sorted, 0.5)?;
+        // The quantiles are of all steps, the rest of the halves: a middle step belongs to neither.
+        let all = if 2 * half == steps {
+            sorted
+        } else {
+            let mut all: Vec<f64> = chains.concat();
+            all.sort_unstable_by(f64::total_cmp);
+            all
+        };
         let distances: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
         // Values of only two kinds lie equally far from the median and have no spread to compare.
-        let spread = Halves::of_ranks(&distances, half).and_then(|folded| folded.r_hat());
+        let spread = Halves::of_ranks(&ranked(&distances), half).and_then(|folded| folded.r_hat());
         let r_hat = scores.r_hat()?;
         let mut tail = f64::INFINITY;
         for probability in TAILS {
@@ -86,6 +91,13 @@ impl Convergence {
     }
 }
 
+/// The values, each with its place, from the least to the largest.
+fn ranked(values: &[f64]) -> Vec<(f64, usize)> {
+    let mut order: Vec<(f64, usize)> = values.iter().copied().zip(0..).collect();
+    order.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
+    order
+}
+
 /// Halves of chains, one after the other, each of `length` steps.
 struct Halves {
     values: Vec<f64>,
@@ -94,17 +106,15 @@ struct Halves {
 
 impl Halves {
     /// Normal scores of the ranks, equal values sharing their mean rank.
-    fn of_ranks(values: &[f64], length: usize) -> Option<Self> {
+    fn of_ranks(order: &[(f64, usize)], length: usize) -> Option<Self> {
         #[allow(clippy::cast_precision_loss, reason = "counts of samples are below 2^53")]
         let count = |number: usize| number as f64;
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let mut scores = vec![0.0; values.len()];
+        let mut scores = vec![0.0; order.len()];
         let mut below = 0;
-        for equal in order.chunk_by(|&a, &b| values[a].partial_cmp(&values[b]) == Some(std::cmp::Ordering::Equal)) {
+        for equal in order.chunk_by(|(a, _), (b, _)| a.partial_cmp(b) == Some(std::cmp::Ordering::Equal)) {
             let rank = count(below) + (count(equal.len()) + 1.0) / 2.0;
-            let score = normal_quantile((rank - BLOM) / (count(values.len()) - 2.0 * BLOM + 1.0))?;
-            for &index in equal {
+            let score = normal_quantile((rank - BLOM) / (count(order.len()) - 2.0 * BLOM + 1.0))?;
+            for &(_, index) in equal {
                 scores[index] = score;
             }
             below += equal.len();

@@ -29,7 +29,7 @@ use crate::uncertainty::convergence::Convergence;
 use ensemble::{Ensemble, Moves};
 use mixture::Mixture;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
+use rayon::prelude::{IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 use start::Start;
 
 /// Largest split-R̂ of chains that agree (Vehtari et al. 2021).
@@ -327,7 +327,7 @@ impl Run<'_> {
             let chains: Vec<Vec<f64>> = histories().map(chain(j)).collect();
             Convergence::of(&chains.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
-        (0..self.bounds.len()).map(of).collect()
+        (0..self.bounds.len()).into_par_iter().map(of).collect()
     }
 
     fn finish(
