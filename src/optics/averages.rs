@@ -235,6 +235,10 @@ impl ReflectivityModel for AveragedModel {
         self.model.join()
     }
 
+    fn is_average(&self) -> bool {
+        !self.averages.is_none()
+    }
+
     fn lamella_factor(&self, lamella_width: f64) -> f64 {
         self.model.lamella_factor(lamella_width)
     }

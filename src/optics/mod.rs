@@ -103,6 +103,11 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether what the stack reflects is a mean over many plane waves: then it pays to ask for few angles.
+    fn is_average(&self) -> bool {
+        false
+    }
+
     /// Reflectivity of the stack at `angle = theta - delta` (rad) from the normal of its layers.
     ///
     /// The inner loop of a fit, for input that was checked: [`contributions`](Self::contributions) checks it.

@@ -10,6 +10,9 @@ use crate::optics::{
 use rustc_hash::FxHashMap;
 use std::f64::consts::TAU;
 
+/// Numbers of a run and of a wavelength in it.
+type Node = (usize, usize);
+
 /// A reading without what the stack reflects.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
@@ -91,7 +94,7 @@ pub(super) fn contributions_at(
     model.validate()?;
     structure.validate()?;
     let mut stacks = Stacks::default();
-    let seen: Vec<Result<(Seen, (usize, usize)), OpticsError>> = (readings.iter())
+    let seen: Vec<Result<(Seen, Node), OpticsError>> = (readings.iter())
         .map(|(geometry, wavelength)| {
             let seen = Seen::new(model, structure, geometry, *wavelength)?;
             Ok((seen, seen.stack.map_or((0, 0), |(media, angle)| stacks.place(media, *wavelength, angle))))
@@ -99,7 +102,7 @@ pub(super) fn contributions_at(
         .collect();
     let reflected: Vec<_> =
         stacks.runs.into_iter().map(|run| run.reflectivities(model, Period::of(structure))).collect();
-    let one = |(seen, (run, node)): (Seen, (usize, usize))| {
+    let one = |(seen, (run, node)): (Seen, Node)| {
         let reflected = match &seen.stack {
             Some(_) => reflected[run][node].clone()?,
             None => SAndP::default(),
@@ -145,7 +148,7 @@ struct Stacks {
 
 impl Stacks {
     /// The number of the run and of the wavelength in it.
-    fn place(&mut self, media: Media, wavelength: f64, angle: f64) -> (usize, usize) {
+    fn place(&mut self, media: Media, wavelength: f64, angle: f64) -> Node {
         let run = *self.of_angle.entry(angle.to_bits()).or_insert(self.runs.len());
         if run == self.runs.len() {
             self.runs.push(Run { angle, media: Vec::new(), wavenumbers: Vec::new() });
