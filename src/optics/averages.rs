@@ -58,7 +58,7 @@ pub struct Averages {
     /// | 25 | 4e-3, 1e-2 | 4e-3, 2e-2 |
     ///
     /// against 262,144 random stacks in 384 readings of four structures at 0 to 75°, s and p, 385 to 729 nm. Beside other averages
-    /// each of their plane waves has a share of these stacks, 31 at least. In spectra a reading costs some 1200 times that of equal layers.
+    /// each of their plane waves has a share of these stacks, 31 at least. In spectra a reading costs some 1000 times that of equal layers.
     pub layer_spread: f64,
     /// Standard deviation of the tilt over the spot, rad; normal. Not beside a numerical aperture.
     pub tilt_spread: f64,

@@ -12,7 +12,6 @@
 //! What equal layers share is computed once; wavelengths go in blocks without a branch, as in [`super::lanes`].
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
-mod lossy_pairs;
 pub(crate) mod pairs;
 
 use crate::numerics::exponential::decay;
@@ -85,7 +84,7 @@ pub(crate) fn values(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64], out: &m
 fn blocks<const FUSED: bool>(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64], out: &mut [SAndP]) {
     let same = layers.media.iter().chain([&layers.ambient, &layers.base]).all(|row| row.len() == 1);
     let mut waves = Vec::with_capacity(layers.media.len());
-    let (mut table, mut lossy_table) = (Vec::new(), Vec::new());
+    let mut table = Vec::new();
     let (mut kept, mut met) = (vec![Matrix::NONE; layers.kinds.len().min(KEPT)], Matrix::NONE);
     let mut base = Wave::NONE;
     let mut ambient = [1.0; BLOCK];
@@ -107,14 +106,11 @@ fn blocks<const FUSED: bool>(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64],
             matrix.set::<FUSED>(&waves[medium], thickness, &k);
         }
         let mut sum = [SAndP::default(); BLOCK];
-        let pairs = layers.pairs.filter(|_| kept.len() == layers.kinds.len() && layers.repeats == 1);
+        // Complex matrices of pairs were measured to take longer than the layers one by one.
+        let all_real = kept.len() == layers.kinds.len() && kept.iter().all(|matrix| matrix.real);
+        let pairs = layers.pairs.filter(|_| all_real && layers.repeats == 1);
         if let Some(pairs) = pairs {
-            let behind = (&base, &ambient, cos);
-            sum = if kept.iter().all(|matrix| matrix.real) {
-                pairs::sums::<FUSED>(layers, pairs, &kept, behind, &mut table)
-            } else {
-                lossy_pairs::sums::<FUSED>(layers, pairs, &kept, behind, &mut lossy_table)
-            };
+            sum = pairs::sums::<FUSED>(layers, pairs, &kept, (&base, &ambient, cos), &mut table);
         }
         for order in layers.each().filter(|_| pairs.is_none()) {
             let mut fields = Fields::behind(&base);

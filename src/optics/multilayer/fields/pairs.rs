@@ -15,23 +15,23 @@ use rustc_hash::FxHashMap;
 use std::ops::Range;
 
 /// Wavelengths that go together: the table of one polarization of 961 pairs is then a quarter of a megabyte.
-pub(super) const LANES: usize = 8;
+const LANES: usize = 8;
 /// Matrices that the fields pass in one go.
-pub(super) const RUN: usize = 3;
+const RUN: usize = 3;
 /// Fields may grow by so much before they are scaled.
-pub(super) const LARGEST: f64 = 1e100;
+const LARGEST: f64 = 1e100;
 
 /// One value for each wavelength, where a vector register can be loaded at once.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(super) struct Lanes(pub(super) [f64; LANES]);
+pub(super) struct Lanes([f64; LANES]);
 
 impl Lanes {
-    pub(super) const ZERO: Self = Self([0.0; LANES]);
+    const ZERO: Self = Self([0.0; LANES]);
 
     /// Those of a block from `start` on.
     #[inline(always)]
-    pub(super) fn of(block: &Block, start: usize) -> Self {
+    fn of(block: &Block, start: usize) -> Self {
         Self(std::array::from_fn(|lane| block[start + lane]))
     }
 }
@@ -71,8 +71,8 @@ impl Pairs {
 /// [`Pairs`] of a part of the stacks.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SomePairs<'a> {
-    pub(super) met: &'a [(usize, usize)],
-    pub(super) order: &'a [usize],
+    met: &'a [(usize, usize)],
+    order: &'a [usize],
 }
 
 /// The matrix of two layers, row by row.
