@@ -2,7 +2,7 @@
 
 use crate::geometry::{Geometry, Polarization};
 use crate::inversion::parameter::{COUNT, structure};
-use crate::optics::{ReflectivityModel, Structure, lobe};
+use crate::optics::{Contribution, OpticsError, ReflectivityModel, Structure, lobe};
 use crate::synthetic::{Scan, linspace};
 use crate::units::{degrees, radians};
 
@@ -92,11 +92,13 @@ fn phi_scan(wavelength: f64, theta: f64, omega: f64) -> Scan {
 fn peak(model: &dyn ReflectivityModel, of: &Structure, wavelengths: &[f64], omega: f64) -> Option<f64> {
     let phi = if omega > 0.0 { 2.0 * of.delta } else { 0.0 };
     let geometry = Geometry { theta: 0.0, phi, omega: radians(omega) };
-    let value = |wavelength: f64| {
-        let value = model.reflectivity(of, &geometry, Polarization::Unpolarized, wavelength).ok()?;
+    let readings: Vec<(Geometry, f64)> = wavelengths.iter().map(|&wavelength| (geometry, wavelength)).collect();
+    let found = model.contributions_at(of, Polarization::Unpolarized, &readings).ok()?;
+    let value = |(found, &wavelength): (Result<[Contribution; 2], OpticsError>, &f64)| {
+        let value = found.ok()?.iter().map(|part| part.intensity).sum::<f64>();
         value.is_finite().then_some((value, wavelength))
     };
-    let found = wavelengths.iter().filter_map(|wavelength| value(*wavelength));
+    let found = found.into_iter().zip(wavelengths).filter_map(value);
     found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, wavelength)| wavelength)
 }
 

@@ -115,16 +115,20 @@ impl Truth {
                 for &wavelength in &scan.wavelengths {
                     for &phi in &scan.phis {
                         let (geometry, polarization) = (Geometry { theta, phi, omega }, scan.polarization);
-                        let parts = model.contributions(&of, &geometry, polarization, wavelength).ok()?;
-                        let [a, b] = parts.map(|part| part.intensity);
-                        let intensity = self.lamella * a + self.multilayer * b + self.background;
-                        if !intensity.is_finite() {
-                            return None;
-                        }
-                        let (sigma, curve, line) = (None, 0, 0);
+                        let (intensity, sigma, curve, line) = (0.0, None, 0, 0);
                         readings.push(Reading { wavelength, geometry, polarization, intensity, sigma, curve, line });
                     }
                 }
+            }
+        }
+        let seen: Vec<(Geometry, f64)> =
+            readings.iter().map(|reading| (reading.geometry, reading.wavelength)).collect();
+        let found = model.contributions_at(&of, scan.polarization, &seen).ok()?;
+        for (reading, parts) in readings.iter_mut().zip(found) {
+            let [a, b] = parts.ok()?.map(|part| part.intensity);
+            reading.intensity = self.lamella * a + self.multilayer * b + self.background;
+            if !reading.intensity.is_finite() {
+                return None;
             }
         }
         Some(readings)

@@ -22,6 +22,7 @@ pub mod lobe;
 mod material;
 pub mod multilayer;
 mod paper;
+mod readings;
 mod stack;
 mod structure;
 
@@ -35,8 +36,6 @@ pub use stack::{MAX_LAYERS, Media, Stack};
 pub use structure::Structure;
 
 use crate::geometry::{Geometry, Polarization};
-use hybrid::HybridNode;
-use lamella::LamellaNode;
 use multilayer::{Period, SAndP, StackSlopes};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -104,6 +103,11 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether what the stack reflects is a mean over many plane waves: then it pays to ask for few angles.
+    fn is_average(&self) -> bool {
+        false
+    }
+
     /// Reflectivity of the stack at `angle = theta - delta` (rad) from the normal of its layers.
     ///
     /// The inner loop of a fit, for input that was checked: [`contributions`](Self::contributions) checks it.
@@ -162,44 +166,41 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
         polarization: Polarization,
         wavelength: f64,
     ) -> Result<[Contribution; 2], OpticsError> {
-        self.validate()?;
-        structure.validate()?;
-        check_geometry(geometry)?;
-        let Geometry { theta, phi, .. } = *geometry;
-        let media = self.stack().media(wavelength)?;
-        let (s, p) = polarization.shares();
-        let stack = |angle| {
-            let both = self.stack_reflectivity(&media, Period::of(structure), angle)?;
-            Ok::<f64, OpticsError>(s * both.s + p * both.p)
-        };
-        let terms = |lamella, multilayer| {
-            [
-                Contribution { name: LAMELLA, intensity: lamella },
-                Contribution { name: MULTILAYER, intensity: multilayer },
-            ]
-        };
-        if let Join::Product { ridge_spacing } = self.join() {
-            // Lamellae and layers are factors, not terms.
-            hybrid::require_narrow(structure, ridge_spacing)?;
-            let node = HybridNode::in_plane(geometry, wavelength / media.ambient);
-            return Ok(terms(0.0, stack(node.angle)? * node.spread(structure, ridge_spacing)));
-        }
-        let (share_a, share_b) = geometry.plane_shares();
-        let lamella = if share_a > 0.0 {
-            let node = LamellaNode::new(wavelength, theta, phi);
-            let shape = node.interference(structure.period(), self.stack().layers)
-                * node.diffraction(structure.lamella_width)
-                * node.obliquity;
-            share_a * self.lamella_factor(structure.lamella_width) * shape
-        } else {
-            0.0
-        };
-        let multilayer = if share_b > 0.0 {
-            share_b * stack(theta - structure.delta)? * lobe::lobe(theta, phi, structure.delta, structure.phi_alpha)
-        } else {
-            0.0
-        };
-        Ok(terms(lamella, multilayer))
+        readings::contributions(self, structure, geometry, polarization, wavelength)
+    }
+
+    /// [`contributions`](Self::contributions) at many readings of one structure, `(geometry, wavelength in nm)`: the stack is
+    /// computed once for all of an angle and wavelength, and all wavelengths of an angle together.
+    ///
+    /// The same as one by one to rounding; of an average over a band to the accuracy of its steps, which follow the shortest
+    /// wavelength of an angle.
+    ///
+    /// # Shape
+    /// One result for each reading, in their order.
+    ///
+    /// # Errors
+    /// [`OpticsError`] for a model or structure out of range; that of a reading stands in its place.
+    ///
+    /// ```
+    /// use morpho_fit::geometry::{Geometry, Polarization};
+    /// use morpho_fit::optics::{AveragedModel, Averages, BlendModel, ReflectivityModel, Structure};
+    /// let averages = Averages { layer_spread: 8.0, ..Averages::default() };
+    /// let model = AveragedModel::new(Box::new(BlendModel::default()), averages)?;
+    /// let along = Geometry { omega: std::f64::consts::FRAC_PI_2, ..Geometry::default() };
+    /// let readings = [(along, 440.0), (along, 480.0)];
+    /// let (blue, light) = (Structure::blue(), Polarization::Unpolarized);
+    /// let found = model.contributions_at(&blue, light, &readings)?;
+    /// let alone = model.contributions(&blue, &along, light, 480.0)?;
+    /// assert!((found[1].clone()?[1].intensity - alone[1].intensity).abs() < 1e-14);
+    /// # Ok::<(), morpho_fit::optics::OpticsError>(())
+    /// ```
+    fn contributions_at(
+        &self,
+        structure: &Structure,
+        polarization: Polarization,
+        readings: &[(Geometry, f64)],
+    ) -> Result<Vec<Result<[Contribution; 2], OpticsError>>, OpticsError> {
+        readings::contributions_at(self, structure, polarization, readings)
     }
 
     /// The sum of the [`contributions`](Self::contributions): what a measurement of scale 1 would read.

@@ -3,9 +3,10 @@
 use super::sampling::Sampling;
 use crate::colorimetry::{ColourError, Illuminant, Integration, Lab, Observer, Xyz};
 use crate::geometry::{Geometry, Polarization};
-use crate::optics::{OpticsError, ReflectivityModel, Structure};
+use crate::optics::{Contribution, OpticsError, ReflectivityModel, Structure};
 use crate::spectrum::Wavelengths;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 /// Spectra at most that the choice of wavelengths looks at. Of 96, spread over the 152 views of a structure, one of 500 structures
 /// had a view at 0.507 for a tolerance of 0.5 (`examples/sampling.rs`).
@@ -96,32 +97,60 @@ pub fn colours(
     polarization: Polarization,
     viewing: &Viewing,
 ) -> Result<Colours, SweepError> {
-    let (observer, illuminant) = (viewing.observer, &viewing.illuminant);
-    let sampling = match viewing.grid {
-        Grid::Of(wavelengths) => Sampling::given(wavelengths),
-        Grid::Within(tolerance) => {
-            let mut probes = probes(views);
-            let coarsest = |probes: &[View], tolerance: f64| -> Result<Sampling, SweepError> {
-                let spectra = spectra(model, probes, polarization, &Wavelengths::finest())?;
-                let spectra: Vec<Vec<f64>> = spectra.into_iter().flatten().collect();
-                Ok(Sampling::coarsest(&spectra, observer, illuminant, tolerance)?)
-            };
-            if probes.len() < views.len() {
-                let first = coarsest(&probes, UNSEEN * tolerance)?;
-                probes.extend(hardest(model, views, polarization, viewing, &first.wavelengths)?);
-                coarsest(&probes, UNSEEN * tolerance)?
-            } else {
-                coarsest(&probes, tolerance)?
-            }
+    let known = sampled(model, views, polarization, viewing)?;
+    let wavelengths = known.sampling.wavelengths;
+    let integration = Integration::new(&wavelengths, viewing.observer, &viewing.illuminant)?;
+    let all = match known.spectra {
+        Some((grid, all)) if grid == wavelengths => all,
+        Some((grid, all)) if grid == Wavelengths::finest() && all.len() == views.len() => {
+            // Of the same bits as if it were computed on the coarser grid.
+            let step = (grid.len() - 1) / (wavelengths.len() - 1).max(1);
+            let thinned = |values: Vec<f64>| values.into_iter().step_by(step).collect();
+            all.into_iter().map(|spectrum| spectrum.map(thinned)).collect()
         }
+        _ => spectra(model, views, polarization, &wavelengths)?,
     };
-    let integration = Integration::new(&sampling.wavelengths, observer, illuminant)?;
-    let one = |view: &View| -> Result<Option<Xyz>, SweepError> {
-        let spectrum = spectrum(model, view, polarization, &sampling.wavelengths)?;
-        Ok(spectrum.map(|values| integration.xyz(&values)).transpose()?)
+    let one = |spectrum: &Option<Vec<f64>>| -> Result<Option<Xyz>, ColourError> {
+        spectrum.as_ref().map(|values| integration.xyz(values)).transpose()
     };
-    let colours = views.par_iter().map(one).collect::<Result<_, _>>()?;
-    Ok(Colours { colours, white: integration.white(), sampling })
+    let colours = all.iter().map(one).collect::<Result<_, _>>()?;
+    Ok(Colours { colours, white: integration.white(), sampling: known.sampling })
+}
+
+type Spectra = Vec<Option<Vec<f64>>>;
+
+/// A choice of wavelengths, and the spectra of all views that it took on one grid.
+struct Sampled {
+    sampling: Sampling,
+    spectra: Option<(Wavelengths, Spectra)>,
+}
+
+fn sampled(
+    model: &dyn ReflectivityModel,
+    views: &[View],
+    polarization: Polarization,
+    viewing: &Viewing,
+) -> Result<Sampled, SweepError> {
+    let (observer, illuminant) = (viewing.observer, &viewing.illuminant);
+    let tolerance = match viewing.grid {
+        Grid::Of(wavelengths) => return Ok(Sampled { sampling: Sampling::given(wavelengths), spectra: None }),
+        Grid::Within(tolerance) => tolerance,
+    };
+    let finest = Wavelengths::finest();
+    let coarsest = |spectra: &Spectra, tolerance: f64| {
+        let spectra: Vec<Vec<f64>> = spectra.iter().flatten().cloned().collect();
+        Sampling::coarsest(&spectra, observer, illuminant, tolerance)
+    };
+    let probes = probes(views);
+    let mut probed = spectra(model, &probes, polarization, &finest)?;
+    if probes.len() == views.len() {
+        let sampling = coarsest(&probed, tolerance)?;
+        return Ok(Sampled { sampling, spectra: Some((finest, probed)) });
+    }
+    let first = coarsest(&probed, UNSEEN * tolerance)?.wavelengths;
+    let all = spectra(model, views, polarization, &first)?;
+    probed.extend(spectra(model, &hardest(views, &all, viewing, &first)?, polarization, &finest)?);
+    Ok(Sampled { sampling: coarsest(&probed, UNSEEN * tolerance)?, spectra: Some((first, all)) })
 }
 
 /// The reflectivity of each view at each wavelength; `None` where the model has no answer at one of them.
@@ -134,21 +163,52 @@ pub fn spectra(
     polarization: Polarization,
     wavelengths: &Wavelengths,
 ) -> Result<Vec<Option<Vec<f64>>>, OpticsError> {
-    views.par_iter().map(|view| spectrum(model, view, polarization, wavelengths)).collect()
+    // Views of one structure and incidence share what the stack reflects.
+    let mut numbers = FxHashMap::default();
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (place, view) in views.iter().enumerate() {
+        let Structure { d_air, d_cuticle, delta, phi_alpha, lamella_width } = view.structure;
+        let key = [d_air, d_cuticle, delta, phi_alpha, lamella_width, view.geometry.theta].map(f64::to_bits);
+        let number = *numbers.entry(key).or_insert(groups.len());
+        if number == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[number].push(place);
+    }
+    let of_group = |group: &Vec<usize>| -> Result<Spectra, OpticsError> {
+        let seen: Vec<&View> = group.iter().filter_map(|&place| views.get(place)).collect();
+        together(model, &seen, polarization, wavelengths)
+    };
+    let found = groups.par_iter().map(of_group).collect::<Result<Vec<Spectra>, _>>()?;
+    let mut all = vec![None; views.len()];
+    for (place, spectrum) in groups.into_iter().flatten().zip(found.into_iter().flatten()) {
+        all[place] = spectrum;
+    }
+    Ok(all)
 }
 
-fn spectrum(
+/// Spectra of views of one structure.
+fn together(
     model: &dyn ReflectivityModel,
-    view: &View,
+    views: &[&View],
     polarization: Polarization,
     wavelengths: &Wavelengths,
-) -> Result<Option<Vec<f64>>, OpticsError> {
-    let at = |wavelength| model.reflectivity(&view.structure, &view.geometry, polarization, wavelength);
-    match wavelengths.iter().map(at).collect() {
-        Ok(spectrum) => Ok(Some(spectrum)),
-        Err(OpticsError::NoRefractedRay { .. }) => Ok(None),
-        Err(error) => Err(error),
-    }
+) -> Result<Spectra, OpticsError> {
+    let Some(first) = views.first() else { return Ok(Vec::new()) };
+    let readings: Vec<(Geometry, f64)> =
+        views.iter().flat_map(|view| wavelengths.iter().map(|wavelength| (view.geometry, wavelength))).collect();
+    let found = model.contributions_at(&first.structure, polarization, &readings)?;
+    let of_view = |found: &[Result<[Contribution; 2], OpticsError>]| {
+        let sum = |found: &Result<[Contribution; 2], OpticsError>| {
+            found.clone().map(|terms| terms.iter().map(|term| term.intensity).sum::<f64>())
+        };
+        match found.iter().map(sum).collect() {
+            Ok(spectrum) => Ok(Some(spectrum)),
+            Err(OpticsError::NoRefractedRay { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    };
+    found.chunks(wavelengths.len().max(1)).map(of_view).collect()
 }
 
 /// Views spread evenly over the list: by the golden ratio, so that rows and columns of a grid are all met.
@@ -171,9 +231,8 @@ fn probes(views: &[View]) -> Vec<View> {
 /// The views whose colours change most when every second wavelength of a grid is left out, which costs no spectrum by 1 nm:
 /// where a scene holds a few narrow features, evenly spread probes may miss them all.
 fn hardest(
-    model: &dyn ReflectivityModel,
     views: &[View],
-    polarization: Polarization,
+    spectra: &Spectra,
     viewing: &Viewing,
     wavelengths: &Wavelengths,
 ) -> Result<Vec<View>, SweepError> {
@@ -186,7 +245,6 @@ fn hardest(
         let coarse = Lab::new(half.xyz(&thinned)?, half.white())?;
         Ok(Lab::new(whole.xyz(spectrum)?, whole.white())?.difference(coarse))
     };
-    let spectra = spectra(model, views, polarization, wavelengths)?;
     let changes = spectra.iter().map(change).collect::<Result<Vec<f64>, _>>()?;
     let mut ranked: Vec<(f64, &View)> = changes.into_iter().zip(views).collect();
     ranked.sort_by(|one, other| other.0.total_cmp(&one.0));

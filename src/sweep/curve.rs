@@ -1,7 +1,7 @@
 //! Both contributions of a model along a line of readings.
 
 use crate::geometry::{Geometry, Polarization};
-use crate::optics::{OpticsError, ReflectivityModel, Structure};
+use crate::optics::{Contribution, OpticsError, ReflectivityModel, Structure};
 
 /// The two contributions at one reading, dimensionless, each with its share of the plane in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,19 +54,15 @@ impl Curve {
         polarization: Polarization,
         readings: Vec<(Geometry, f64)>,
     ) -> Result<Self, OpticsError> {
-        let one = |(geometry, wavelength): &(Geometry, f64)| match model.contributions(
-            structure,
-            geometry,
-            polarization,
-            *wavelength,
-        ) {
+        let one = |found: Result<[Contribution; 2], OpticsError>| match found {
             Ok([lamella, multilayer]) => {
                 Ok(Some(Terms { lamella: lamella.intensity, multilayer: multilayer.intensity }))
             }
             Err(OpticsError::NoRefractedRay { .. }) => Ok(None),
             Err(error) => Err(error),
         };
-        let terms = readings.iter().map(one).collect::<Result<_, _>>()?;
+        let found = model.contributions_at(structure, polarization, &readings)?;
+        let terms = found.into_iter().map(one).collect::<Result<_, _>>()?;
         Ok(Self { readings, terms })
     }
 }

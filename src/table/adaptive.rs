@@ -21,6 +21,8 @@ const MARGIN: f64 = 0.8;
 const SHARES: [f64; 7] = [0.0, 0.02, 0.1, 0.35, 0.7, 0.95, 1.0];
 /// Random directions that a table is judged at.
 const RANDOM: usize = 40_000;
+/// Incidences of these where a model takes averages, which cost a hundred plane waves and more for each.
+const INCIDENCES: usize = 400;
 /// Middles of cells at most that it is judged at besides.
 const MIDDLES: usize = 40_000;
 /// What the tolerance of one axis shrinks by where the axes together miss theirs. Smaller takes more nodes, larger more rounds.
@@ -83,7 +85,8 @@ pub struct Judged {
 }
 
 /// The nodes of the table of `source` whose colours differ from those of `reference` by at most the tolerance, and by how much
-/// they do: at the middles of its cells and at seeded random directions, each evaluated directly.
+/// they do: at the middles of its cells and at seeded random directions, each evaluated directly; of a model that takes averages
+/// these have 400 incidences.
 ///
 /// Both sources give X/Xn, Y/Yn, Z/Zn ([`relative_weights`](crate::colorimetry::Integration::relative_weights)). `reference` may have more
 /// wavelengths: then their difference counts too. A table of linear RGB or of spectra with the same nodes has the same colours, as all are linear in
@@ -284,7 +287,7 @@ fn compared(
     needs: &Needs,
     goal: f64,
 ) -> Result<(Judged, Vec<Geometry>), TableError> {
-    let mut seen = random(needs);
+    let mut seen = random(needs, if reference.is_dear() { INCIDENCES } else { RANDOM });
     let of_random = seen.len();
     seen.extend(middles(table.nodes(), needs));
     let one = |seen: &Geometry| -> Result<f64, TableError> {
@@ -304,12 +307,18 @@ fn compared(
     Ok((Judged { worst, at, mean, compared: seen.len() }, misses))
 }
 
-/// Seeded directions, even in all three angles.
-fn random(needs: &Needs) -> Vec<Geometry> {
+/// Seeded directions, even in all three angles, of so many incidences.
+fn random(needs: &Needs, incidences: usize) -> Vec<Geometry> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(needs.seed);
     let Range { theta, phi, omega } = needs.range;
     let mut one = |[low, high]: [f64; 2]| low + random.random::<f64>() * (high - low);
-    (0..RANDOM).map(|_| Geometry { theta: one(theta), phi: one(phi), omega: one(omega) }).collect()
+    let views = RANDOM / incidences.max(1);
+    let mut seen = Vec::with_capacity(RANDOM);
+    for _ in 0..incidences {
+        let theta = one(theta);
+        seen.extend((0..views).map(|_| Geometry { theta, phi: one(phi), omega: one(omega) }));
+    }
+    seen
 }
 
 /// Middles of cells, spread over the table where they are many.

@@ -88,6 +88,11 @@ impl<'a> Source<'a> {
         if self.model.join() == Join::Planes { Turn::Share } else { Turn::Angle }
     }
 
+    /// Whether directions of one incidence cost far less than as many of different ones.
+    pub(super) fn is_dear(&self) -> bool {
+        self.model.is_average() && self.turn() == Turn::Share
+    }
+
     /// Incidences beyond which tilted layers are seen from behind, rad: there the colour jumps.
     pub(super) fn edges(&self) -> Vec<f64> {
         let delta = self.structure.delta;

@@ -22,6 +22,7 @@ use morpho_fit::table::{Judged, Needs, Quantity, Range, Source, Table, TableErro
 use morpho_fit::units::{degrees, radians};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
 use std::path::PathBuf;
 
 /// Light that the table is for.
@@ -242,9 +243,8 @@ impl<'a> Eye<'a> {
             }
         }
         let mut spectra = vec![vec![0.0; grid.len()]; seen.len()];
-        for (seen, spectrum) in seen.iter().zip(&mut spectra) {
-            source.evaluate(seen, spectrum)?;
-        }
+        let each = seen.par_iter().zip(&mut spectra);
+        each.try_for_each(|(seen, spectrum)| source.evaluate(seen, spectrum))?;
         Ok(spectra)
     }
 }

@@ -17,9 +17,11 @@
 
 use crate::numerics::normal::normal_quantile;
 use crate::optics::Media;
+use crate::optics::multilayer::fields::pairs::Pairs;
 use crate::optics::multilayer::{CUTICLE, GAP, Order, Period, SAndP, ordered_unchecked};
 use rand::{RngCore, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::ops::Range;
 
 /// Levels of each thickness, a prime; the matrices of both kinds of layers on all levels just fit the kernel's memory.
 const LEVELS: usize = 31;
@@ -39,6 +41,8 @@ pub(super) struct Disorder {
     levels: Vec<f64>,
     /// Kinds of the layers of each stack, from the base to the light; the first [`LEVELS`] are gaps.
     order: Vec<usize>,
+    /// Its neighbours, a gap and the cuticle on it.
+    pairs: Pairs,
     /// Layers of a stack.
     length: usize,
 }
@@ -57,7 +61,8 @@ impl Disorder {
                 stack[place] = first + permuted[(a * place + b) % LEVELS];
             }
         }
-        Self { levels: levels().iter().map(|level| level * spread).collect(), order, length }
+        let pairs = Pairs::of(&order);
+        Self { levels: levels().iter().map(|level| level * spread).collect(), order, pairs, length }
     }
 
     /// Mean R of the stacks whose middle is `period`; where it is one of `nodes` plane waves of a reading, of a share of them that
@@ -71,8 +76,10 @@ impl Disorder {
         out: &mut [SAndP],
     ) {
         let kinds = self.kinds(period);
-        let (order, stacks) = self.share(node, nodes);
-        ordered_unchecked(media, wavenumbers, Order { kinds: &kinds, order, repeats: 1, stacks }, angle, out);
+        let places = self.share(node, nodes);
+        let (order, stacks) = (&self.order[places.clone()], places.len() / self.length);
+        let layers = Order { kinds: &kinds, order, repeats: 1, stacks, pairs: self.pairs.within(places) };
+        ordered_unchecked(media, wavenumbers, layers, angle, out);
     }
 
     /// Thicknesses of all kinds about a period.
@@ -81,12 +88,12 @@ impl Disorder {
         of(GAP, period.gap).chain(of(CUTICLE, period.cuticle)).collect()
     }
 
-    /// The stacks for one of so many plane waves, whole rows `a` of the array: in each of these a layer takes each level once.
-    fn share(&self, node: usize, nodes: usize) -> (&[usize], usize) {
+    /// Places in the order of the stacks for one of so many plane waves, whole rows `a` of the array: in each of these a layer takes each level once.
+    fn share(&self, node: usize, nodes: usize) -> Range<usize> {
         let rows = if nodes > 1 { TOGETHER.div_ceil(nodes).min(LEVELS) } else { LEVELS };
         let first = node * rows % (LEVELS - rows + 1);
         let row = LEVELS * self.length;
-        (&self.order[first * row..(first + rows) * row], rows * LEVELS)
+        first * row..(first + rows) * row
     }
 }
 
@@ -169,13 +176,13 @@ mod tests {
     #[test]
     fn shares_are_within_the_array_and_all_together_are_all_of_it() {
         let disorder = Disorder::new(3, 1.0);
-        assert_eq!(disorder.share(0, 1), (disorder.order.as_slice(), LEVELS * LEVELS));
+        assert_eq!(disorder.share(0, 1), 0..disorder.order.len());
         for nodes in [2, 17, 65, 124, 1000] {
             let mut first = std::collections::HashSet::new();
             for node in 0..nodes {
-                let (order, stacks) = disorder.share(node, nodes);
-                assert_eq!(order.len(), stacks * disorder.length);
-                first.insert(order.as_ptr());
+                let places = disorder.share(node, nodes);
+                assert!(places.end <= disorder.order.len() && places.len().is_multiple_of(LEVELS * disorder.length));
+                first.insert(places.start);
             }
             assert_eq!(first.len() > 1, nodes > 4, "{nodes}");
         }

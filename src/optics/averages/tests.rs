@@ -1,7 +1,8 @@
 //! Averages against fine sums, differences and symmetries.
 
 use super::*;
-use crate::optics::BlendModel;
+use crate::geometry::{Geometry, Polarization};
+use crate::optics::{BlendModel, HybridModel, Structure};
 use approx::assert_abs_diff_eq;
 use std::f64::consts::PI;
 
@@ -166,5 +167,56 @@ fn widths_out_of_range_are_errors() {
         Averages { tilt_spread: 0.1, numerical_aperture: 0.2, ..Averages::default() },
     ] {
         assert!(averages.validate().is_err(), "{averages:?}");
+    }
+}
+
+/// Readings together against one by one: cuticle that absorbs and that does not, s and p, gap and cuticle of one thickness, both
+/// joins, and each average but the band, whose steps follow the shortest wavelength.
+#[test]
+fn readings_together_are_those_one_by_one() {
+    let lossy = crate::optics::Material::Constant { n: 1.56, k: 0.06 };
+    for averages in [
+        Averages { layer_spread: 8.0, ..Averages::default() },
+        Averages { numerical_aperture: 0.5, layer_spread: 3.0, ..Averages::default() },
+        Averages { numerical_aperture: 0.3, period_spread: 2.0, ..Averages::default() },
+        Averages::default(),
+    ] {
+        for cuticle in [Stack::default().cuticle, lossy.clone()] {
+            let stack = Stack { cuticle, layers: 4, ..Stack::default() };
+            let models: [Box<dyn ReflectivityModel>; 2] = [
+                Box::new(BlendModel { stack: stack.clone() }),
+                Box::new(HybridModel { stack, ..HybridModel::default() }),
+            ];
+            for model in models {
+                let model = AveragedModel::new(model, averages).unwrap();
+                together(&model, &Structure::blue());
+                together(&model, &Structure { d_air: 100.0, d_cuticle: 100.0, ..Structure::blue() });
+            }
+        }
+    }
+}
+
+fn together(model: &AveragedModel, structure: &Structure) {
+    let mut readings = Vec::new();
+    for (theta, phi, omega) in
+        [(0.0, 0.1, 1.2), (0.4, -0.4, 1.2), (0.4, -0.3, 0.3), (0.4, -0.3, PI / 2.0), (0.4, 0.2, 0.0)]
+    {
+        for wavelength in [420.0, 480.0, 480.0, 610.0] {
+            readings.push((Geometry { theta, phi, omega }, wavelength));
+        }
+    }
+    // Out of range: an error of its own, which takes nothing from the others.
+    readings.push((Geometry { theta: 2.0, phi: 0.0, omega: 0.0 }, 480.0));
+    for light in [Polarization::S, Polarization::P, Polarization::Unpolarized] {
+        let all = model.contributions_at(structure, light, &readings).unwrap();
+        assert_eq!(all.len(), readings.len());
+        assert!(all[readings.len() - 1].is_err());
+        for (found, (geometry, wavelength)) in all.iter().zip(&readings).take(readings.len() - 1) {
+            let alone = model.contributions(structure, geometry, light, *wavelength).unwrap();
+            for (one, other) in found.as_ref().unwrap().iter().zip(alone) {
+                assert_eq!(one.name, other.name);
+                assert_abs_diff_eq!(one.intensity, other.intensity, epsilon = 1e-14);
+            }
+        }
     }
 }

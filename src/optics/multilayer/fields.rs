@@ -12,12 +12,15 @@
 //! What equal layers share is computed once; wavelengths go in blocks without a branch, as in [`super::lanes`].
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
+pub(crate) mod pairs;
+
 use crate::numerics::exponential::decay;
 use crate::numerics::fused::{fused_or_not, mul_add};
 use crate::numerics::trigonometry::sin_cos_fused;
 use crate::optics::multilayer::SAndP;
 use multiversion::multiversion;
 use nalgebra::Complex;
+use pairs::SomePairs;
 
 /// Wavelengths that go together.
 const BLOCK: usize = 16;
@@ -48,6 +51,8 @@ pub(crate) struct Layers<'a> {
     pub(crate) repeats: usize,
     /// How many stacks: R is their mean.
     pub(crate) stacks: usize,
+    /// Neighbours in the order where it is worth it to take them together.
+    pub(crate) pairs: Option<SomePairs<'a>>,
 }
 
 impl Layers<'_> {
@@ -79,6 +84,7 @@ pub(crate) fn values(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64], out: &m
 fn blocks<const FUSED: bool>(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64], out: &mut [SAndP]) {
     let same = layers.media.iter().chain([&layers.ambient, &layers.base]).all(|row| row.len() == 1);
     let mut waves = Vec::with_capacity(layers.media.len());
+    let mut table = Vec::new();
     let (mut kept, mut met) = (vec![Matrix::NONE; layers.kinds.len().min(KEPT)], Matrix::NONE);
     let mut base = Wave::NONE;
     let mut ambient = [1.0; BLOCK];
@@ -100,7 +106,13 @@ fn blocks<const FUSED: bool>(layers: &Layers<'_>, cos: f64, wavenumbers: &[f64],
             matrix.set::<FUSED>(&waves[medium], thickness, &k);
         }
         let mut sum = [SAndP::default(); BLOCK];
-        for order in layers.each() {
+        // Complex matrices of pairs were measured to take longer than the layers one by one.
+        let all_real = kept.len() == layers.kinds.len() && kept.iter().all(|matrix| matrix.real);
+        let pairs = layers.pairs.filter(|_| all_real && layers.repeats == 1);
+        if let Some(pairs) = pairs {
+            sum = pairs::sums::<FUSED>(layers, pairs, &kept, (&base, &ambient, cos), &mut table);
+        }
+        for order in layers.each().filter(|_| pairs.is_none()) {
             let mut fields = Fields::behind(&base);
             let mut unscaled = 0;
             for &kind in std::iter::repeat_n(order, layers.repeats).flatten() {

@@ -126,6 +126,7 @@ impl Indices {
             order: &self.order,
             repeats: 1,
             stacks: 1,
+            pairs: None,
         };
         reflectivities_unchecked(&layers, wavenumbers, angle, out);
     }

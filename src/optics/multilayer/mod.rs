@@ -18,6 +18,7 @@ use crate::optics::stack::{MAX_LAYERS, Media};
 use crate::optics::structure::Structure;
 use amplitude::Layer;
 use fields::Layers;
+use fields::pairs::SomePairs;
 pub(crate) use lanes::Rules;
 use nalgebra::Complex;
 use periodic::{Cosines, Incidence};
@@ -200,8 +201,13 @@ pub(crate) fn reflectivities_unchecked(
         lanes::values(media, &incidences, period, layers, Rules::Each, wavenumbers, out);
         return;
     }
-    let order =
-        Order { kinds: &[(GAP, period.gap), (CUTICLE, period.cuticle)], order: &[0, 1], repeats: layers, stacks: 1 };
+    let order = Order {
+        kinds: &[(GAP, period.gap), (CUTICLE, period.cuticle)],
+        order: &[0, 1],
+        repeats: layers,
+        stacks: 1,
+        pairs: None,
+    };
     ordered_unchecked(media, wavenumbers, order, angle, out);
 }
 
@@ -218,6 +224,7 @@ pub(crate) struct Order<'a> {
     pub(crate) order: &'a [usize],
     pub(crate) repeats: usize,
     pub(crate) stacks: usize,
+    pub(crate) pairs: Option<SomePairs<'a>>,
 }
 
 /// [`reflectivities_unchecked`] of layers in any order; of several stacks the mean.
@@ -229,7 +236,7 @@ pub(crate) fn ordered_unchecked(
     out: &mut [SAndP],
 ) {
     let row = |index: fn(&Media) -> Complex<f64>| media.iter().map(index).collect::<Vec<_>>();
-    let Order { kinds, order, repeats, stacks } = layers;
+    let Order { kinds, order, repeats, stacks, pairs } = layers;
     let layers = Layers {
         ambient: &row(|media| Complex::new(media.ambient, 0.0)),
         base: &row(|media| media.base),
@@ -238,6 +245,7 @@ pub(crate) fn ordered_unchecked(
         order,
         repeats,
         stacks,
+        pairs,
     };
     general::reflectivities_unchecked(&layers, wavenumbers, angle, out);
 }

@@ -78,6 +78,7 @@ impl Drawn {
             order: &self.order,
             repeats: self.repeats,
             stacks: 1,
+            pairs: None,
         };
         let mut out = vec![SAndP::default(); COUNT];
         if portable {

@@ -1,0 +1,116 @@
+//! What averages were asked for last: fits, maps and charts ask for much of it again, and an average costs a millisecond.
+
+use crate::optics::Media;
+use crate::optics::multilayer::{Period, SAndP};
+use rustc_hash::FxHashMap;
+use std::mem::take;
+use std::sync::{Mutex, PoisonError};
+
+/// Readings in each of the two halves: 25 MB. A map of 56 by 56 cells with a spectrum each has a quarter of them.
+const MOST: usize = 1 << 20;
+
+/// Everything that an average depends on, bit by bit: what is found is what would be computed, in any order of threads.
+type Question = Vec<u64>;
+
+/// Answers to the last questions.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    halves: Mutex<Halves>,
+}
+
+/// Where the young half is full it becomes the old one, which is forgotten.
+#[derive(Debug, Default)]
+struct Halves {
+    young: FxHashMap<Question, Vec<SAndP>>,
+    old: FxHashMap<Question, Vec<SAndP>>,
+    /// Readings in the young half.
+    readings: usize,
+}
+
+impl Halves {
+    fn keep(&mut self, question: Question, answer: Vec<SAndP>) {
+        if self.readings + answer.len() > MOST {
+            self.old = take(&mut self.young);
+            self.readings = 0;
+        }
+        let more = answer.len();
+        if self.young.insert(question, answer).is_none() {
+            self.readings += more;
+        }
+    }
+}
+
+impl Memory {
+    /// The question for R in these media at these wavenumbers.
+    pub(super) fn question(media: &[Media], wavenumbers: &[f64], period: Period, angle: f64) -> Question {
+        // The indices do not depend on the wavelength that stands beside them.
+        let indices = media.iter().flat_map(|media| {
+            let Media { ambient, cuticle, gap, base, .. } = *media;
+            [ambient, cuticle.re, cuticle.im, gap.re, gap.im, base.re, base.im]
+        });
+        let all = [period.cuticle, period.gap, angle].into_iter().chain(indices).chain(wavenumbers.iter().copied());
+        std::iter::once(media.len() as u64).chain(all.map(f64::to_bits)).collect()
+    }
+
+    /// Writes a known answer.
+    pub(super) fn recall(&self, question: &Question, out: &mut [SAndP]) -> bool {
+        let mut halves = self.halves.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((question, answer)) = halves.old.remove_entry(question) {
+            halves.keep(question, answer);
+        }
+        let known = halves.young.get(question).filter(|answer| answer.len() == out.len());
+        known.map(|answer| out.copy_from_slice(answer)).is_some()
+    }
+
+    pub(super) fn keep(&self, question: Question, answer: &[SAndP]) {
+        if answer.len() <= MOST {
+            self.halves.lock().unwrap_or_else(PoisonError::into_inner).keep(question, answer.to_vec());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::Stack;
+
+    #[test]
+    fn the_last_answers_are_known_and_no_others() {
+        let memory = Memory::default();
+        let media = [Stack::default().media(500.0).unwrap()];
+        let period = Period { cuticle: 62.0, gap: 141.0 };
+        let question = |angle: f64| Memory::question(&media, &[0.01, 0.02], period, angle);
+        let mut out = [SAndP::default(); 2];
+        assert!(!memory.recall(&question(0.1), &mut out));
+        memory.keep(question(0.1), &[SAndP::both(0.3), SAndP::both(0.4)]);
+        assert!(memory.recall(&question(0.1), &mut out));
+        assert_eq!(out, [SAndP::both(0.3), SAndP::both(0.4)]);
+        // The sign of zero is a bit too, and a moved angle, period, medium or wavenumber another question.
+        let thicker = Period { gap: 142.0, ..period };
+        let denser = [Media { base: media[0].base + 0.1, ..media[0] }];
+        for other in [
+            question(0.2),
+            Memory::question(&media, &[0.01, 0.02], thicker, 0.1),
+            Memory::question(&denser, &[0.01, 0.02], period, 0.1),
+            Memory::question(&media, &[0.01, 0.03], period, 0.1),
+            Memory::question(&media, &[0.01], period, 0.1),
+        ] {
+            assert!(!memory.recall(&other, &mut out));
+        }
+    }
+
+    #[test]
+    fn what_was_not_asked_for_long_is_forgotten() {
+        let memory = Memory::default();
+        let many = vec![SAndP::both(0.5); MOST / 2];
+        let mut out = many.clone();
+        for number in 0..4 {
+            memory.keep(vec![number], &many);
+            // Asked for again and again, the first stays.
+            assert!(memory.recall(&vec![0], &mut out));
+        }
+        assert!(!memory.recall(&vec![1], &mut out) && memory.recall(&vec![3], &mut out));
+        let halves = memory.halves.lock().unwrap();
+        assert!(halves.readings <= MOST && halves.young.len() + halves.old.len() <= 4);
+    }
+}
