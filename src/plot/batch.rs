@@ -70,7 +70,8 @@ impl BatchQuantity {
 pub fn items_figure(title: &str, names: &[String], quantities: &[BatchQuantity]) -> Result<Figure, PlotError> {
     check::count(CHART, "items", (1, ITEMS), names.len())?;
     let numbers: Vec<f64> = (1..=names.len()).map(|number| number as f64).collect();
-    let range = (0.5, names.len() as f64 + 0.5);
+    // Five apart at least, or ticks would stand between two items.
+    let range = (0.0, (names.len() as f64 + 1.0).max(5.0));
     let mut panels = Vec::with_capacity(quantities.len());
     for quantity in quantities {
         lengths(quantity, names.len())?;
@@ -93,7 +94,7 @@ pub fn items_figure(title: &str, names: &[String], quantities: &[BatchQuantity])
     let list = list.collect::<Vec<String>>().join(", ");
     let mut subtitle = "bars are one standard deviation; what is not determined is left out".to_owned();
     if list.chars().count() <= NAMES {
-        subtitle.push_str(": ");
+        subtitle.push_str("; items: ");
         subtitle.push_str(&list);
     }
     Ok(Figure { title: title.to_owned(), subtitle, panels, columns: Some(COLUMNS), plot_size: None })
@@ -165,7 +166,7 @@ pub fn maps_figure(
     }
     Ok(Figure {
         title: title.to_owned(),
-        subtitle: "pixels whose value is not determined are empty".to_owned(),
+        subtitle: "empty: the value is not determined there, or there are no data".to_owned(),
         panels,
         columns: Some(COLUMNS),
         plot_size: Some(sides(x.length(), y.length())),

@@ -348,7 +348,7 @@ fn first_lines(text: &str) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let more = lines.len().saturating_sub(TOLD.1);
     let shown = lines.iter().take(TOLD.1).copied().collect::<Vec<&str>>().join("\n");
-    if more > 0 { format!("{shown}\nand {more} more lines in {TABLE}") } else { shown }
+    if more > 0 { format!("{shown}\nand more: `error` in {TABLE}") } else { shown }
 }
 
 /// Writes table, JSON and charts, and takes the journal away.
