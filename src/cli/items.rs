@@ -69,6 +69,10 @@ pub(crate) fn split_by(columns: &[String]) -> Result<Option<SplitBy>, Usage> {
 
 /// Each file as an item.
 pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<Item>> {
+    if let Some(folder) = paths.iter().find(|path| path.is_dir()) {
+        let folder = folder.display();
+        return Err(Usage(format!("{folder} is a folder; name the files in it, such as {folder}/*.csv")).into());
+    }
     let item = |(path, name): (&PathBuf, String)| {
         let is_stream = path == Path::new("-");
         let file = if is_stream { "stdin".to_owned() } else { path.display().to_string() };

@@ -57,6 +57,15 @@ pub struct Part {
     shared: Arc<Shared>,
 }
 
+/// A part while its rows are gathered.
+#[derive(Debug, Default)]
+struct Rough {
+    name: String,
+    place: Option<[f64; 2]>,
+    rows: String,
+    lines: Vec<u64>,
+}
+
 /// What the parts of a file have in common.
 #[derive(Debug)]
 struct Shared {
@@ -115,7 +124,7 @@ pub fn split_csv(bytes: &[u8], options: &ReadOptions, by: &SplitBy) -> Result<Ve
         layout.curve = columns.first().copied().flatten();
     }
     let columns: Vec<usize> = columns.into_iter().flatten().collect();
-    let mut parts: Vec<(String, Option<[f64; 2]>, String, Vec<u64>)> = Vec::new();
+    let mut parts: Vec<Rough> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
     let decimal_commas = source.decimal_commas();
     while let Some(line) = records.next(&mut found) {
@@ -145,11 +154,11 @@ pub fn split_csv(bytes: &[u8], options: &ReadOptions, by: &SplitBy) -> Result<Ve
             Some(index) => *index,
             None => {
                 known.insert(name.to_owned(), parts.len());
-                parts.push((name.to_owned(), place, String::new(), Vec::new()));
+                parts.push(Rough { name: name.to_owned(), place, ..Rough::default() });
                 parts.len() - 1
             }
         };
-        if let Some((_, _, rows, lines)) = parts.get_mut(index) {
+        if let Some(Rough { rows, lines, .. }) = parts.get_mut(index) {
             rows.push_str(records.source());
             rows.push('\n');
             lines.push(line.number);
@@ -160,7 +169,7 @@ pub fn split_csv(bytes: &[u8], options: &ReadOptions, by: &SplitBy) -> Result<Ve
         return Err(Collector::default().fail(Finding::on_file(FindingKind::NoReadings)));
     }
     let shared = Arc::new(Shared { layout, delimiter: source.delimiter, options: *options, notes });
-    let part = |(name, place, rows, lines): (String, _, String, _)| {
+    let part = |Rough { name, place, rows, lines }: Rough| {
         let sha256 = hex_sha256(&[heading.as_bytes(), rows.as_bytes()].concat());
         Part { name, place, rows, lines, record: None, sha256, shared: Arc::clone(&shared) }
     };

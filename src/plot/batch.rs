@@ -263,7 +263,8 @@ mod tests {
         let heat = figure.panels[0].heat.as_ref().unwrap();
         assert_eq!(heat.values.len(), 4);
         assert!(heat.values[1].is_nan(), "{:?}", heat.values);
-        assert_eq!([heat.values[0], heat.values[2], heat.values[3]], [1.0, 2.0, 3.0]);
+        let told: Vec<f64> = heat.values.iter().copied().filter(|value| value.is_finite()).collect();
+        assert_eq!(told, [1.0, 2.0, 3.0]);
         assert!(draw(&figure).unwrap().svg.contains("d_air / nm: 3 of 4 pixels"));
     }
 

@@ -81,7 +81,7 @@ pub(crate) enum Command {
     #[command(after_help = EXIT_CODES, args_override_self = true)]
     Constant(ConstantArgs),
     /// Fit many files, or many items in one file, such as the pixels of a map, with the same settings: batch.csv, batch.json, and
-    /// items.svg or map.svg. Stopped, it goes on where it was.
+    /// items.svg or map.svg. Stopped, it goes on where it was; the exit code is that of the first cause among the items.
     #[command(after_help = EXIT_CODES, args_override_self = true)]
     Batch(BatchArgs),
     /// Validate a CSV file and tell what its design of measurement can identify, before fitting.

@@ -206,13 +206,10 @@ impl Work<'_> {
             if there > 0 {
                 output::complain(&format!("{there} of {all} items are fitted already; {} to do", open.len()));
             }
-            if other > 0 {
-                output::complain(&format!(
-                    "{other} rows in {place} are of other settings or another version and are fitted again"
-                ));
-            }
-            if changed > 0 {
-                output::complain(&format!("{changed} rows in {place} are of other data and are fitted again"));
+            for (count, what) in [(other, "other settings or of another version"), (changed, "other data")] {
+                if count > 0 {
+                    output::complain(&format!("rows in {place} of {what} are not used: {count}"));
+                }
             }
         }
         if !open.is_empty() {
