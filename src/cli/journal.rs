@@ -116,3 +116,40 @@ impl Journal {
         written.with_context(|| format!("{} cannot be written", self.path.display()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(item: &str, settings: &str) -> Entry {
+        let row = BatchRow { item: item.to_owned(), place: None, sha256: None, fit: None, error: None };
+        Entry { settings_sha256: settings.to_owned(), reports: Reports::None, row }
+    }
+
+    #[test]
+    fn a_line_that_was_cut_off_is_dropped_and_written_over() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let (path, none) = (folder.path().join("journal"), folder.path().join("none"));
+        let mut journal = Journal::open(&path).unwrap();
+        journal.append(&entry("a", "old")).unwrap();
+        journal.append(&entry("b", "old")).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &whole[..whole.len() - 7]).unwrap();
+        let earlier = Earlier::read(&path, &none).unwrap();
+        assert_eq!((earlier.of("a").len(), earlier.of("b").len()), (1, 0));
+        let mut journal = Journal::open(&path).unwrap();
+        journal.append(&entry("a", "new")).unwrap();
+        let earlier = Earlier::read(&path, &none).unwrap();
+        let settings: Vec<&str> = earlier.of("a").iter().map(|entry| entry.settings_sha256.as_str()).collect();
+        assert_eq!(settings, ["new", "old"], "the youngest first");
+        assert!(std::fs::read(&path).unwrap().starts_with(&whole[..whole.len() / 2]));
+    }
+
+    #[test]
+    fn words_of_reports_are_those_of_the_journal() {
+        for reports in Reports::ALL {
+            assert_eq!(serde_json::to_value(reports).unwrap(), reports.word());
+            assert_eq!(Reports::of(reports.word()), reports);
+        }
+    }
+}

@@ -103,7 +103,8 @@ pub fn split_csv(bytes: &[u8], options: &ReadOptions, by: &SplitBy) -> Result<Ve
     let mut found = Collector::default();
     check_constants(&options.constants, &mut found);
     let mut records = Records::new(source.text, source.delimiter);
-    let (mut layout, notes) = match heading_line(&mut records, by.columns(), options, &source, &mut found) {
+    let apart: Vec<String> = by.columns().iter().filter(|name| data_of(name).is_none()).cloned().collect();
+    let (mut layout, notes) = match heading_line(&mut records, &apart, options, &source, &mut found) {
         Ok(read) => read,
         Err(finding) => return Err(found.fail(finding)),
     };
@@ -191,11 +192,16 @@ fn column(headings: &[String], name: &str, line: u64, found: &mut Collector) -> 
         let kind = FindingKind::DuplicateColumn { first: first + 1 };
         found.push(Some(Place::Line(line)), Some(Column::in_file(second, name)), kind);
     }
-    let data = Quantity::ALL.into_iter().filter(|quantity| *quantity != Quantity::Curve).map(Quantity::name);
-    if let Some(name) = data.into_iter().find(|data| *data == name) {
+    if let Some(name) = data_of(name) {
         found.push(Some(Place::Line(line)), Some(Column::in_file(first, name)), FindingKind::HoldsData { name });
     }
     Some(first)
+}
+
+/// The heading as that of a column of data, but for the name of the record.
+fn data_of(heading: &str) -> Option<&'static str> {
+    let data = Quantity::ALL.into_iter().filter(|quantity| *quantity != Quantity::Curve);
+    data.map(Quantity::name).find(|name| *name == heading)
 }
 
 /// Two numbers; adding 0 turns -0 into 0.

@@ -10,12 +10,12 @@ pub(crate) struct BatchArgs {
     /// `--by` one file with many items in it; `-` reads standard input.
     #[arg(value_name = "DATA.csv", required = true)]
     pub(crate) data: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(crate) items: ItemArgs,
     /// Take flags from a TOML file: the names of the flags without the dashes, such as `omega = 90`,
     /// `fix = ["d_cuticle=62"]`. A flag on the command line goes before the file.
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) settings: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) items: ItemArgs,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]
