@@ -29,6 +29,20 @@ pub(crate) enum Outcome {
     NotConverged,
     /// The fit found a minimum, but not what was asked for; the reason in words.
     NotIdentifiable(String),
+    /// Some of many items were not what was asked for: the code of the first cause, and the reason in words.
+    Partly(u8, String),
+}
+
+impl Outcome {
+    /// The exit code.
+    pub(crate) fn code(&self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::NotConverged => NOT_CONVERGED,
+            Self::NotIdentifiable(_) => NOT_IDENTIFIABLE,
+            Self::Partly(code, _) => *code,
+        }
+    }
 }
 
 /// A flag, or a combination of flags, that cannot be.
@@ -44,11 +58,11 @@ pub(crate) struct BadData(pub(crate) String);
 /// Ends a run: tells an error on stderr and gives the code.
 pub(crate) fn code(result: anyhow::Result<Outcome>) -> ExitCode {
     match result {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::NotConverged) => ExitCode::from(NOT_CONVERGED),
-        Ok(Outcome::NotIdentifiable(reason)) => {
-            output::complain(&reason);
-            ExitCode::from(NOT_IDENTIFIABLE)
+        Ok(outcome) => {
+            if let Outcome::NotIdentifiable(reason) | Outcome::Partly(_, reason) = &outcome {
+                output::complain(reason);
+            }
+            ExitCode::from(outcome.code())
         }
         // Whoever reads our output has seen enough.
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
@@ -83,7 +97,8 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
         .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))
 }
 
-fn code_of(error: &anyhow::Error) -> u8 {
+/// The exit code of an error.
+pub(crate) fn code_of(error: &anyhow::Error) -> u8 {
     error.chain().find_map(code_of_cause).unwrap_or(READ_OR_WRITE)
 }
 

@@ -8,6 +8,8 @@ mod args;
 mod commands;
 mod exit;
 mod index_table;
+mod items;
+mod journal;
 mod machine;
 mod options;
 mod output;
@@ -40,6 +42,7 @@ fn run(cli: Cli, line: &[OsString]) -> anyhow::Result<exit::Outcome> {
         Some(Command::Bootstrap(args)) => commands::fit::run(&args, UncertaintyWord::Bootstrap),
         Some(Command::Sample(args)) => commands::fit::run(&args, UncertaintyWord::Sample),
         Some(Command::Constant(args)) => commands::constant::run(&args),
+        Some(Command::Batch(args)) => commands::batch::run(args),
         Some(Command::Check(args)) => commands::check::run(&args),
         Some(Command::Curves(args)) => commands::curves::run(&args),
         Some(Command::Sweep(args)) => commands::sweep::run(&args),

@@ -15,6 +15,58 @@ use morpho_fit::units::radians;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
+/// How data are fitted, whatever they are.
+#[derive(Debug, Clone)]
+pub(crate) struct Choices {
+    pub(crate) settings: FitSettings,
+    /// Models to compare with that of the settings; `None` if none is to be chosen.
+    pub(crate) beside: Option<Vec<ModelChoice>>,
+}
+
+impl Choices {
+    /// Checks every choice, and starts the threads that are asked for.
+    pub(crate) fn of(args: &ProblemArgs) -> Result<Self> {
+        let settings = settings(args)?;
+        let beside = beside(&args.model, &settings)?;
+        threads(&args.nuisances)?;
+        Ok(Self { settings, beside })
+    }
+}
+
+/// The bytes of a data file, with its intensity where the reader looks for it.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// The file as it was named.
+    pub(crate) file: String,
+    pub(crate) bytes: Vec<u8>,
+    /// Hash of the file where these are not its very bytes.
+    pub(crate) sha256: Option<String>,
+}
+
+impl Source {
+    pub(crate) fn read(path: &Path, args: &ReadingArgs) -> Result<Self> {
+        let bytes = match output::read(path) {
+            Err(error) if !path.exists() => return Err(missing(path, &error)),
+            other => other?,
+        };
+        let file = if path == Path::new("-") { "stdin".to_owned() } else { path.display().to_string() };
+        Self::of(file, bytes, args)
+    }
+
+    /// The same for bytes that were read before.
+    pub(crate) fn of(file: String, bytes: Vec<u8>, args: &ReadingArgs) -> Result<Self> {
+        let Some(heading) = &args.intensity_column else { return Ok(Self { file, bytes, sha256: None }) };
+        let sha256 = Some(hex_sha256(&bytes));
+        let bytes = with_intensity(&bytes, heading).map_err(|problem| BadData(format!("{file}:{problem}")))?;
+        Ok(Self { file, bytes, sha256 })
+    }
+}
+
+/// SHA-256, 64 hexadecimal digits.
+pub(crate) fn hex_sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// Data and settings of one problem.
 #[derive(Debug)]
 pub(crate) struct Problem {
@@ -37,23 +89,9 @@ impl Problem {
 
     /// The same for a command that can choose among the variants of a model.
     pub(crate) fn read_for_any(args: &ProblemArgs) -> Result<Self> {
-        let settings = settings(args)?;
-        let beside = beside(&args.model, &settings)?;
-        threads(&args.nuisances)?;
+        let Choices { settings, beside } = Choices::of(args)?;
         let path = args.data.as_deref().ok_or_else(|| Usage("give a CSV file".to_owned()))?;
-        let bytes = match output::read(path) {
-            Err(error) if !path.exists() => return Err(missing(path, &error)),
-            other => other?,
-        };
-        let file = if path == Path::new("-") { "stdin".to_owned() } else { path.display().to_string() };
-        let mut sha256 = None;
-        let bytes = match &args.reading.intensity_column {
-            Some(heading) => {
-                sha256 = Some(Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect());
-                with_intensity(&bytes, heading).map_err(|problem| BadData(format!("{file}:{problem}")))?
-            }
-            None => bytes,
-        };
+        let Source { file, bytes, sha256 } = Source::read(path, &args.reading)?;
         let data = read_csv(&bytes, &reading(&args.reading)).map_err(|findings| findings.in_file(&file))?;
         Ok(Self { file, data, settings, beside, sha256 })
     }
@@ -70,6 +108,7 @@ fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
             "bootstrap",
             "sample",
             "constant",
+            "batch",
             "check",
             "curves",
             "sweep",
@@ -93,7 +132,8 @@ fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     }
 }
 
-fn reading(args: &ReadingArgs) -> ReadOptions {
+/// What the flags say of a file.
+pub(crate) fn reading(args: &ReadingArgs) -> ReadOptions {
     ReadOptions {
         constants: Constants {
             wavelength_nm: args.wavelength,

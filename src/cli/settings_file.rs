@@ -25,6 +25,7 @@ pub(crate) fn merged(cli: Cli, line: &[OsString]) -> Result<Cli> {
         Some(Command::Bootstrap(args)) => ("bootstrap", &args.problem.settings),
         Some(Command::Sample(args)) => ("sample", &args.problem.settings),
         Some(Command::Constant(args)) => ("constant", &args.problem.settings),
+        Some(Command::Batch(args)) => ("batch", &args.settings),
         Some(Command::Check(args)) => ("check", &args.problem.settings),
         Some(
             Command::Simulate(_)

@@ -20,7 +20,7 @@ pub(super) enum Quantity {
 }
 
 impl Quantity {
-    const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 8] = [
         Self::Wavelength,
         Self::Theta,
         Self::Phi,
@@ -142,6 +142,8 @@ pub(super) struct Layout {
     pub(super) intensities: Vec<(usize, Given)>,
     /// Names of records that the headings give.
     pub(super) curves: Vec<String>,
+    /// Number in the file, from 0, of the second column, where that alone was cut out of a wide table.
+    pub(super) cut_from: Option<usize>,
 }
 
 impl Layout {
@@ -161,6 +163,7 @@ impl Layout {
             curve: None,
             intensities: Vec::new(),
             curves: Vec::new(),
+            cut_from: None,
         }
     }
 
@@ -199,9 +202,11 @@ impl Layout {
         self.set_column(quantity, index);
     }
 
-    /// Columns of a tidy heading line; `Err` if the line is no heading line at all, so that its rows mean nothing.
+    /// Columns of a tidy heading line but those that are kept `apart`; `Err` if the line is no heading line at all, so that
+    /// its rows mean nothing.
     pub(super) fn tidy(
         headings: Vec<String>,
+        apart: &[usize],
         line: u64,
         options: &ReadOptions,
         found: &mut Collector,
@@ -216,7 +221,7 @@ impl Layout {
         }
         let mut layout = Self::from_constants(headings.clone(), &options.constants);
         let mut suggested = Vec::new();
-        for (index, heading) in headings.iter().enumerate() {
+        for (index, heading) in headings.iter().enumerate().filter(|(index, _)| !apart.contains(index)) {
             let column = || Some(Column::in_file(index, heading));
             let known = Quantity::ALL.into_iter().find(|quantity| quantity.name() == heading);
             if let Some(quantity) = known {

@@ -66,6 +66,10 @@ pub enum FindingKind {
     ColumnAndFlag { flag: &'static str },
     /// Headings that are numbers, read as the tidy form.
     LooksWide,
+    /// No column has the heading by which the rows are told apart; `there` are the headings.
+    NoSuchColumn { name: String, there: String },
+    /// A column of data by which rows are to be told apart.
+    HoldsData { name: &'static str },
     /// A wide table whose first column is not the wavelength.
     WideFirstColumn,
     /// A wide table with nothing beside the wavelength.
@@ -177,6 +181,10 @@ impl fmt::Display for FindingKind {
             }
             Self::LooksWide => {
                 write!(f, "the headings are numbers; a wide table is read with `--wide theta`, `phi` or `curve`")
+            }
+            Self::NoSuchColumn { name, there } => write!(f, "there is no column `{name}`; there are {there}"),
+            Self::HoldsData { name } => {
+                write!(f, "`{name}` is data; the rows are told apart by another column, or by `curve`")
             }
             Self::WideFirstColumn => write!(f, "the first column of a wide table must be `wavelength_nm`"),
             Self::WideWithoutColumns => {

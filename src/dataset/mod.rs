@@ -16,7 +16,7 @@
 //! | `polarization` | `s`, `p`, `unpolarized` | optional |
 //!
 //! Wide tables (first column `wavelength_nm`, one column for each angle or record) are read with
-//! [`ReadOptions::wide`]. Cells are separated by commas, or else by the semicolons or tabs of the heading line; decimal
+//! [`ReadOptions::wide`]; a file with many measurements, such as the pixels of a map, by [`split_csv`]. Cells are separated by commas, or else by the semicolons or tabs of the heading line; decimal
 //! commas are read only where commas do not separate cells. Lines starting with `#` and blank lines are skipped.
 //!
 //! This module opens no file.
@@ -27,6 +27,7 @@ mod columns;
 mod findings;
 mod kind;
 mod options;
+mod parts;
 mod read;
 mod records;
 mod rows;
@@ -39,6 +40,7 @@ mod write;
 pub use self::findings::{Column, Finding, Findings, Place};
 pub use self::kind::{FindingKind, NumberHint};
 pub use self::options::{Constants, ReadOptions, WideHeading};
+pub use self::parts::{Part, SplitBy, split_csv};
 pub use self::read::{check_headings, read_csv};
 pub use self::write::{NotWide, to_csv, to_wide_csv};
 

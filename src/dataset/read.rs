@@ -33,7 +33,7 @@ pub fn read_csv(bytes: &[u8], options: &ReadOptions) -> Result<Dataset, Findings
     let mut found = Collector::default();
     check_constants(&options.constants, &mut found);
     let mut records = Records::new(source.text, source.delimiter);
-    let layout = match heading_line(&mut records, options, &source, &mut found) {
+    let layout = match heading_line(&mut records, &[], options, &source, &mut found) {
         Ok((layout, notes)) => {
             source.notes.extend(notes);
             layout
@@ -68,13 +68,13 @@ pub fn read_csv(bytes: &[u8], options: &ReadOptions) -> Result<Dataset, Findings
 pub fn check_headings(headings: Vec<String>, options: &ReadOptions) -> Result<Vec<String>, Findings> {
     let (mut found, mut notes) = (Collector::default(), Vec::new());
     check_constants(&options.constants, &mut found);
-    if let Err(last) = Layout::tidy(headings, 1, options, &mut found, &mut notes) {
+    if let Err(last) = Layout::tidy(headings, &[], 1, options, &mut found, &mut notes) {
         return Err(found.fail(last));
     }
     found.finish().map(|()| notes)
 }
 
-fn check_constants(constants: &Constants, found: &mut Collector) {
+pub(super) fn check_constants(constants: &Constants, found: &mut Collector) {
     let values = [
         (Quantity::Wavelength, constants.wavelength_nm.map(checks::wavelength)),
         (Quantity::Theta, constants.theta_deg.map(checks::angle_deg)),
@@ -89,9 +89,10 @@ fn check_constants(constants: &Constants, found: &mut Collector) {
     }
 }
 
-/// Takes the first record for the headings.
-fn heading_line(
+/// Takes the first record for the headings; columns with a heading that is `apart` are not read.
+pub(super) fn heading_line(
     records: &mut Records<'_>,
+    apart: &[String],
     options: &ReadOptions,
     source: &Text<'_>,
     found: &mut Collector,
@@ -111,10 +112,11 @@ fn heading_line(
         return at_line(FindingKind::SpaceSeparated);
     }
     let mut notes = Vec::new();
+    let apart: Vec<usize> = (0..headings.len()).filter(|&index| apart.contains(&headings[index])).collect();
     let layout = match options.wide {
-        None => Layout::tidy(headings, line.number, options, found, &mut notes)?,
+        None => Layout::tidy(headings, &apart, line.number, options, found, &mut notes)?,
         Some(kind) => {
-            let layout = wide::layout(headings, kind, line.number, options, source.decimal_commas(), found)?;
+            let layout = wide::layout(headings, kind, &apart, line.number, options, source.decimal_commas(), found)?;
             notes.push(wide_note(kind, &layout));
             layout
         }

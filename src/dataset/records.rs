@@ -27,6 +27,17 @@ impl<'a> Records<'a> {
         Self { reader, record: StringRecord::new(), lines: Lines::new(text) }
     }
 
+    /// The line at which the record starts.
+    pub(super) fn line(&self) -> u64 {
+        self.lines.line
+    }
+
+    /// The record as it stands in the text, without its line end.
+    pub(super) fn source(&self) -> &'a str {
+        let end = usize::try_from(self.reader.position().byte()).unwrap_or(usize::MAX).min(self.lines.text.len());
+        self.lines.text.get(self.lines.byte..end).unwrap_or_default().trim_end_matches(['\r', '\n'])
+    }
+
     /// Comment lines passed so far.
     pub(super) fn comments(&self) -> u64 {
         self.lines.comments

@@ -51,17 +51,9 @@ impl Rows {
     }
 
     pub(super) fn read(&mut self, line: u64, record: &StringRecord) {
-        let expected = self.layout.headings.len();
         self.attempted += self.layout.intensities.len().max(1);
-        if record.iter().any(|cell| cell.contains('\n')) {
-            return self.found.at_line(line, FindingKind::LineBreakInCell);
-        }
-        if record.iter().all(|cell| cell.trim().is_empty()) {
-            return self.found.at_line(line, FindingKind::EmptyRow);
-        }
-        if record.len() != expected {
-            let decimal_commas = !self.decimal_commas && record.len() > expected;
-            return self.found.at_line(line, FindingKind::Ragged { found: record.len(), expected, decimal_commas });
+        if let Some(kind) = unusable(record, self.layout.headings.len(), self.decimal_commas) {
+            return self.found.at_line(line, kind);
         }
         let row = Row { line, record };
         let wavelength = self.value(&row, self.layout.wavelength, checks::wavelength);
@@ -98,7 +90,8 @@ impl Rows {
     }
 
     fn column(&self, index: usize) -> Column {
-        Column::in_file(index, self.layout.headings.get(index).map_or("", String::as_str))
+        let number = self.layout.cut_from.filter(|_| index == 1).unwrap_or(index);
+        Column::in_file(number, self.layout.headings.get(index).map_or("", String::as_str))
     }
 
     fn push(&mut self, line: u64, column: usize, kind: FindingKind) {
@@ -228,6 +221,19 @@ impl Rows {
         }
         Ok(Dataset::checked(self.readings, curves, notes, sha256))
     }
+}
+
+/// What is wrong with a row as a whole.
+pub(super) fn unusable(record: &StringRecord, expected: usize, decimal_commas: bool) -> Option<FindingKind> {
+    if record.iter().any(|cell| cell.contains('\n')) {
+        return Some(FindingKind::LineBreakInCell);
+    }
+    if record.iter().all(|cell| cell.trim().is_empty()) {
+        return Some(FindingKind::EmptyRow);
+    }
+    let found = record.len();
+    let decimal_commas = !decimal_commas && found > expected;
+    (found != expected).then_some(FindingKind::Ragged { found, expected, decimal_commas })
 }
 
 /// A row with as many cells as there are headings.

@@ -17,32 +17,35 @@ impl WideHeading {
     }
 }
 
-/// Columns of a wide heading line. `Err` if the line is no heading line at all.
+/// Columns of a wide heading line but those that are kept `apart`. `Err` if the line is no heading line at all.
 pub(super) fn layout(
     headings: Vec<String>,
     kind: WideHeading,
+    apart: &[usize],
     line: u64,
     options: &ReadOptions,
     decimal_commas: bool,
     found: &mut Collector,
 ) -> Result<Layout, Finding> {
-    match headings.first() {
-        Some(first) if first == Quantity::Wavelength.name() => {}
-        first => {
+    let read = |index: &usize| !apart.contains(index);
+    let first = (0..headings.len()).find(read).unwrap_or_default();
+    match headings.get(first) {
+        Some(heading) if heading == Quantity::Wavelength.name() => {}
+        heading => {
             if headings.iter().all(|heading| number(heading, true).is_ok()) {
                 return Err(Finding::at_line(line, FindingKind::NoHeading));
             }
-            let column = first.map(|first| Column::in_file(0, first));
+            let column = heading.map(|heading| Column::in_file(first, heading));
             return Err(Finding { column, ..Finding::at_line(line, FindingKind::WideFirstColumn) });
         }
     }
-    if headings.len() < 2 {
+    if headings.len() < 2 + apart.len() {
         return Err(Finding::at_line(line, FindingKind::WideWithoutColumns));
     }
     let mut layout = Layout::from_constants(headings, &options.constants);
-    layout.claim(Quantity::Wavelength, 0, line, found);
+    layout.claim(Quantity::Wavelength, first, line, found);
     check_flags(kind, &layout, line, found);
-    for (index, heading) in layout.headings.iter().enumerate().skip(1) {
+    for (index, heading) in layout.headings.iter().enumerate().filter(|(index, _)| read(index) && *index != first) {
         let given = match kind {
             WideHeading::Theta => angle(heading, "theta", decimal_commas).map(Given::Theta),
             WideHeading::Phi => angle(heading, "phi", decimal_commas).map(Given::Phi),

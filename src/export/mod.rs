@@ -1,5 +1,6 @@
 //! Results as bytes: `fit.json`, `curves.csv`, the samples behind intervals, tables. Nothing here opens a file.
 
+mod batch;
 mod bsdf;
 mod colours;
 mod constant;
@@ -18,6 +19,7 @@ mod terms;
 #[cfg(feature = "tradeoff")]
 mod tradeoff;
 
+pub use batch::{BATCH_SCHEMA, Batch, BatchCounts, BatchFit, BatchRow, BatchValue, BatchValues, batch_csv, batch_json};
 pub use bsdf::{BSDF_SCHEMA, BsdfFile, BsdfSheet, certificate_json};
 pub use colours::colours_csv;
 pub use constant::{CONSTANT_SCHEMA, constant_csv, constant_json};

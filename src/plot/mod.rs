@@ -6,6 +6,7 @@
 //! - [`angular`]: curves of a known structure over angle and wavelength, cartesian and polar.
 //! - [`sweep`]: colour against a parameter of the structure.
 //! - [`table`]: the colours of a structure over incidence and view, plane by plane.
+//! - [`batch`]: values of many fits, item by item or as a map.
 //! - [`bsdf`]: what a `.bsdf` file gives back of the light.
 //! - [`tradeoff`]: error over cost, and the stability map.
 //! - [`canvas`]: the sheet below them, for a chart that is not a grid of panels.
@@ -15,6 +16,7 @@
 
 pub mod angular;
 pub mod atlas;
+pub mod batch;
 pub mod bsdf;
 pub mod canvas;
 mod check;

@@ -1,5 +1,6 @@
 //! Results in words: the one-screen report, the page `report.html`, the captions of plots, the sentences of the verdict.
 
+pub mod batch;
 mod choice;
 pub mod constant;
 mod digits;

@@ -1,6 +1,7 @@
 //! The command line as clap reads it. Help texts are sentences with units and defaults.
 #![allow(clippy::doc_markdown, reason = "the comments are help texts, which a terminal shows as they are")]
 
+mod batch;
 mod bsdf;
 mod constant;
 mod drawing;
@@ -13,6 +14,7 @@ mod table;
 mod tradeoff;
 mod words;
 
+pub(crate) use batch::{BatchArgs, BatchOutputArgs};
 pub(crate) use bsdf::{BsdfArgs, BsdfChoiceArgs, ImportBsdfArgs, WavelengthChoice};
 pub(crate) use constant::ConstantArgs;
 pub(crate) use drawing::{AxesArgs, CurveArgs, CurvesArgs, GridChoice, PaperArgs, SweepArgs, ViewingArgs};
@@ -78,6 +80,10 @@ pub(crate) enum Command {
     /// wide that makes the other intervals: constant.json, constant.csv, constant.svg.
     #[command(after_help = EXIT_CODES, args_override_self = true)]
     Constant(ConstantArgs),
+    /// Fit many files, or many items in one file, such as the pixels of a map, with the same settings: batch.csv, batch.json, and
+    /// items.svg or map.svg. Stopped, it goes on where it was; the exit code is that of the first cause among the items.
+    #[command(after_help = EXIT_CODES, args_override_self = true)]
+    Batch(BatchArgs),
     /// Validate a CSV file and tell what its design of measurement can identify, before fitting.
     #[command(args_override_self = true)]
     Check(CheckArgs),

@@ -1,6 +1,6 @@
 //! `morpho-fit DATA.csv`: fit, report, files.
 
-use crate::args::{FitArgs, OutputArgs, UncertaintyWord};
+use crate::args::{FitArgs, OutputArgs, UncertaintyArgs, UncertaintyWord};
 use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::commands::{chart_files, drawn, sweep};
 use crate::exit::{Outcome, Usage};
@@ -33,7 +33,12 @@ pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
         return Err(Usage(message).into());
     }
     let folder = Folder::open(&place)?;
-    let found = work(&problem, &folder, args, command).inspect_err(|_| folder.abandon())?;
+    let OutputArgs { quiet, no_plots, .. } = args.output;
+    let name = file_name(&problem.file);
+    let wanted = Wanted { name: &name, uncertainty: &args.uncertainty, command, plots: !no_plots };
+    let progress = Progress::new(quiet);
+    let found = work(&problem, &folder, &wanted, &|what| progress.tell(what)).inspect_err(|_| folder.abandon())?;
+    drop(progress);
     let Files { fit, json, names } = found;
     if args.output.json {
         output::print(&json)?;
@@ -82,39 +87,65 @@ const PAGE: &str = "report.html";
 /// Cells of the map of chi², each way.
 const MAP_CELLS: usize = 56;
 
+/// What to make of a fit beside `fit.json` and `curves.csv`.
+pub(crate) struct Wanted<'a> {
+    /// Name of the data in titles.
+    pub(crate) name: &'a str,
+    pub(crate) uncertainty: &'a UncertaintyArgs,
+    /// The method whose word the command line began with.
+    pub(crate) command: UncertaintyWord,
+    pub(crate) plots: bool,
+}
+
 /// What was found and written.
-struct Files {
-    fit: Fit,
+pub(crate) struct Files {
+    pub(crate) fit: Fit,
     json: Vec<u8>,
     names: Vec<String>,
 }
 
-fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: UncertaintyWord) -> Result<Files> {
+/// The name of a file without its folder.
+fn file_name(file: &str) -> String {
+    Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy()).into_owned()
+}
+
+/// Fits, by one model or by the one that is chosen.
+pub(crate) fn found(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Fit> {
     let Problem { file, data, settings, beside, .. } = problem;
-    let progress = Progress::new(args.output.quiet);
-    let tell = |what: &str| progress.tell(what);
     let found = match beside {
-        Some(beside) => choose(data, settings, beside, &tell).map(|choice| choice.fit),
-        None => fit(data, settings, &tell),
+        Some(beside) => choose(data, settings, beside, tell).map(|choice| choice.fit),
+        None => fit(data, settings, tell),
     };
     let mut fit = found.with_context(|| file.clone())?;
     if let Some(sha256) = &problem.sha256 {
         fit.outcome.data.sha256.clone_from(sha256);
     }
+    Ok(fit)
+}
+
+/// Fits, and leaves everything in the folder.
+pub(crate) fn work(
+    problem: &Problem,
+    folder: &Folder,
+    wanted: &Wanted<'_>,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Files> {
+    let Problem { file, data, .. } = problem;
+    let Wanted { name, uncertainty, command, plots } = *wanted;
+    let mut fit = found(problem, tell)?;
     // More data do not mend a model that misses those there are.
     if fit.outcome.sigma_source != SigmaSource::Widened {
         tell("asking what to measure next");
         let advice = advise(data, &fit, Ask::IfNeeded).with_context(|| file.clone())?;
         fit.outcome.advice = advice.into_iter().map(|proposal| proposal.found).collect();
     }
-    let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
     let title = format!("{name}: {}", wording::verdict(&fit.outcome));
     let mut files = vec![("curves.csv".to_owned(), curves_csv(data, &fit)?)];
     let mut pictures = Vec::new();
-    if !args.output.no_plots {
+    if plots {
         tell("drawing the charts");
-        pictures = drawn(figures(data, &fit, &name, &title)?)?;
-        files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
+        pictures = drawn(figures(data, &fit, name, &title)?)?;
+        files.push((PAGE.to_owned(), report(&fit, name, &pictures)));
         files.extend(chart_files(&pictures));
     }
     let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
@@ -128,19 +159,19 @@ fn work(problem: &Problem, folder: &Folder, args: &FitArgs, command: Uncertainty
         let all = pictures.chain(FILES.map(str::to_owned)).chain([PAGE.to_owned()]);
         folder.remove_stale(&all.filter(|name| !names.contains(name)).collect::<Vec<String>>());
     }
-    let methods = Methods::of(&args.uncertainty, command);
-    if let Some(intervals) = Intervals::ask(methods, &args.uncertainty, data, &fit, &tell)? {
+    let methods = Methods::of(uncertainty, command);
+    if let Some(intervals) = Intervals::ask(methods, uncertainty, data, &fit, tell)? {
         fit.outcome.uncertainty = Some(intervals.compared(&fit));
         json = fit_json(&fit.outcome)?;
         let mut files = intervals.files()?;
-        if !args.output.no_plots {
+        if plots {
             let more = drawn(intervals.figures(&fit.outcome, &title)?)?;
             files.extend(chart_files(&more));
             pictures.extend(more);
         }
         names.extend(files.iter().map(|(name, _)| name.clone()));
-        if !args.output.no_plots {
-            files.push((PAGE.to_owned(), report(&fit, &name, &pictures)));
+        if plots {
+            files.push((PAGE.to_owned(), report(&fit, name, &pictures)));
         }
         files.push(("fit.json".to_owned(), json.clone()));
         folder.write(&files)?;
@@ -194,9 +225,14 @@ fn outcome(found: &FitOutcome) -> Outcome {
 fn is_known(found: &FitOutcome, parameter: Parameter) -> bool {
     let estimates = found.parameters.each();
     let estimate = estimates[parameter.index()].1;
-    match estimate.status {
+    is_told(estimate.status, estimate.sigma)
+}
+
+/// Whether a parameter that is required is there.
+pub(crate) fn is_told(status: Status, sigma: Option<f64>) -> bool {
+    match status {
         Status::Fixed => true,
-        Status::Linked => estimate.sigma.is_some(),
+        Status::Linked => sigma.is_some(),
         status => status.is_determined(),
     }
 }

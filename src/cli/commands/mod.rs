@@ -1,5 +1,6 @@
 //! One file for each word of the command line, each with one `run`.
 
+pub(crate) mod batch;
 pub(crate) mod bsdf;
 pub(crate) mod check;
 pub(crate) mod constant;
