@@ -17,6 +17,7 @@ use crate::progress::Count;
 use anyhow::{Context, Result, anyhow};
 use morpho_fit::dataset::Findings;
 use morpho_fit::export::{BATCH_SCHEMA, Batch, BatchCounts, BatchFit, BatchRow, batch_csv, batch_json};
+use morpho_fit::inversion::Fitter;
 use morpho_fit::report::{batch, terminal};
 use serde_json::json;
 use std::collections::HashSet;
@@ -44,6 +45,8 @@ struct Work<'a> {
     reports: Reports,
     folder: &'a Folder,
     items: &'a [Item],
+    /// None where no item can be fitted so: each says why.
+    fitter: Option<Fitter>,
     /// The folder of each item below the folder of the results.
     folders: Vec<String>,
 }
@@ -83,6 +86,7 @@ pub(crate) fn run(args: BatchArgs) -> Result<Outcome> {
         folders: folder_names(&items, &taken),
         folder: &folder,
         items: &items,
+        fitter: Fitter::new(choices.settings.clone()).ok(),
     };
     let settings_sha256 = identity(&choices, &problem, &columns.by, reports, &uncertainty)?;
     let rows = work
@@ -298,7 +302,7 @@ impl Work<'_> {
         let Choices { settings, beside } = self.choices.clone();
         let problem = Problem { file: item.file.clone(), data, settings, beside, sha256 };
         let outcome = if self.reports == Reports::None {
-            found(&problem, &|_| {})?.outcome
+            found(&problem, self.fitter.as_ref(), &|_| {})?.outcome
         } else {
             let folder = Folder::open(&self.folder.path().join(folder))?;
             let wanted = Wanted {

@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use morpho_fit::dataset::Dataset;
 use morpho_fit::export::{curves_csv, fit_json};
 use morpho_fit::inversion::{
-    Ask, Fit, FitOutcome, Parameter, Search, SigmaSource, Status, Verdict, advise, chi_square_map, choose, fit,
+    Ask, Fit, FitOutcome, Fitter, Parameter, Search, SigmaSource, Status, Verdict, advise, chi_square_map, choose, fit,
 };
 use morpho_fit::plot::fit::{curves_figure, residuals_figure};
 use morpho_fit::plot::intervals::map_figure;
@@ -110,11 +110,14 @@ fn file_name(file: &str) -> String {
 }
 
 /// Fits, by one model or by the one that is chosen.
-pub(crate) fn found(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Fit> {
+///
+/// - `fitter`: of the problem's own settings, where many problems have the same.
+pub(crate) fn found(problem: &Problem, fitter: Option<&Fitter>, tell: &(dyn Fn(&str) + Sync)) -> Result<Fit> {
     let Problem { file, data, settings, beside, .. } = problem;
-    let found = match beside {
-        Some(beside) => choose(data, settings, beside, tell).map(|choice| choice.fit),
-        None => fit(data, settings, tell),
+    let found = match (beside, fitter) {
+        (Some(beside), _) => choose(data, settings, beside, tell).map(|choice| choice.fit),
+        (None, Some(fitter)) => fitter.fit(data, tell),
+        (None, None) => fit(data, settings, tell),
     };
     let mut fit = found.with_context(|| file.clone())?;
     if let Some(sha256) = &problem.sha256 {
@@ -132,7 +135,7 @@ pub(crate) fn work(
 ) -> Result<Files> {
     let Problem { file, data, .. } = problem;
     let Wanted { name, uncertainty, command, plots } = *wanted;
-    let mut fit = found(problem, tell)?;
+    let mut fit = found(problem, None, tell)?;
     // More data do not mend a model that misses those there are.
     if fit.outcome.sigma_source != SigmaSource::Widened {
         tell("asking what to measure next");

@@ -6,8 +6,11 @@ use rustc_hash::FxHashMap;
 use std::mem::take;
 use std::sync::{Mutex, PoisonError};
 
-/// Readings in each of the two halves: 25 MB. A map of 56 by 56 cells with a spectrum each has a quarter of them.
-const MOST: usize = 1 << 20;
+/// Words of eight bytes in each of the two halves: 34 MB. A map of 56 by 56 cells with a spectrum of 73 wavelengths each has a
+/// quarter of them.
+const MOST: usize = 1 << 22;
+/// What an entry takes beside its words.
+const ENTRY: usize = 16;
 
 /// Everything that an average depends on, bit by bit: what is found is what would be computed, in any order of threads.
 type Question = Vec<u64>;
@@ -23,21 +26,25 @@ pub(super) struct Memory {
 struct Halves {
     young: FxHashMap<Question, Vec<SAndP>>,
     old: FxHashMap<Question, Vec<SAndP>>,
-    /// Readings in the young half.
-    readings: usize,
+    /// Words in the young half.
+    words: usize,
 }
 
 impl Halves {
     fn keep(&mut self, question: Question, answer: Vec<SAndP>) {
-        if self.readings + answer.len() > MOST {
+        let more = words(&question, &answer);
+        if self.words + more > MOST {
             self.old = take(&mut self.young);
-            self.readings = 0;
+            self.words = 0;
         }
-        let more = answer.len();
         if self.young.insert(question, answer).is_none() {
-            self.readings += more;
+            self.words += more;
         }
     }
+}
+
+fn words(question: &Question, answer: &[SAndP]) -> usize {
+    question.len() + 2 * answer.len() + ENTRY
 }
 
 impl Memory {
@@ -63,7 +70,7 @@ impl Memory {
     }
 
     pub(super) fn keep(&self, question: Question, answer: &[SAndP]) {
-        if answer.len() <= MOST {
+        if words(&question, answer) <= MOST {
             self.halves.lock().unwrap_or_else(PoisonError::into_inner).keep(question, answer.to_vec());
         }
     }
@@ -102,7 +109,7 @@ mod tests {
     #[test]
     fn what_was_not_asked_for_long_is_forgotten() {
         let memory = Memory::default();
-        let many = vec![SAndP::both(0.5); MOST / 2];
+        let many = vec![SAndP::both(0.5); MOST / 4 - ENTRY];
         let mut out = many.clone();
         for number in 0..4 {
             memory.keep(vec![number], &many);
@@ -111,6 +118,6 @@ mod tests {
         }
         assert!(!memory.recall(&vec![1], &mut out) && memory.recall(&vec![3], &mut out));
         let halves = memory.halves.lock().unwrap();
-        assert!(halves.readings <= MOST && halves.young.len() + halves.old.len() <= 4);
+        assert!(halves.words <= MOST && halves.young.len() + halves.old.len() <= 4);
     }
 }
