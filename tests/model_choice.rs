@@ -196,27 +196,33 @@ fn of_two_models_the_one_that_made_the_data_is_kept() {
     }
 }
 
-/// A spectrum over a wide cone, and one in a plane wave, both fitted with the cone on trial.
+/// A spectrum over a wide cone, or of layers that differ, and one in a plane wave, each fitted with that average on trial.
 #[test]
 fn averages_are_kept_where_the_data_are_averaged() {
     let blue = upright();
-    let averages = Averages { numerical_aperture: 0.6, ..Averages::default() };
-    let cone = AveragedModel::new(Box::new(BlendModel::default()), averages).unwrap();
     let plane = BlendModel::default();
     let scans = [Scan { wavelengths: linspace(380.0, 740.0, 37), ..Scan::spectrum(90.0) }];
-    let settings = FitSettings { averages, ..FitSettings::default() }
-        .with_role(Parameter::Delta, Role::Fixed { value: 0.0 })
-        .with_role(Parameter::PhiAlpha, Role::Fixed { value: blue.phi_alpha });
     let names =
         ["multilayer", "multilayer + background", "multilayer + averages", "multilayer + background + averages"];
-    for (made, expected, averages) in
-        [(&cone as &dyn ReflectivityModel, names[2], averages), (&plane, names[0], Averages::default())]
-    {
-        let data = simulate(made, &blue, &scans, 1.0, 0.005, 6).unwrap();
-        let (name, found) = kept(&data, &settings);
-        assert_eq!((name.as_str(), rows(&found)), (expected, names.to_vec()));
-        assert_eq!(found.outcome.settings.averages, averages);
-        let d_air = &found.outcome.parameters.d_air;
-        assert!((d_air.value.unwrap() - blue.d_air).abs() < 4.0 * d_air.sigma.unwrap(), "{name}: {d_air:?}");
+    for averages in [
+        Averages { numerical_aperture: 0.6, ..Averages::default() },
+        Averages { layer_spread: 12.0, ..Averages::default() },
+    ] {
+        let averaged = AveragedModel::new(Box::new(BlendModel::default()), averages).unwrap();
+        let settings = FitSettings { averages, ..FitSettings::default() }
+            .with_role(Parameter::DAir, Role::Free { lower: 110.0, upper: 170.0 })
+            .with_role(Parameter::DCuticle, Role::Free { lower: 40.0, upper: 90.0 })
+            .with_role(Parameter::Delta, Role::Fixed { value: 0.0 })
+            .with_role(Parameter::PhiAlpha, Role::Fixed { value: blue.phi_alpha });
+        for (made, expected, averages) in
+            [(&averaged as &dyn ReflectivityModel, names[2], averages), (&plane, names[0], Averages::default())]
+        {
+            let data = simulate(made, &blue, &scans, 1.0, 0.005, 6).unwrap();
+            let (name, found) = kept(&data, &settings);
+            assert_eq!((name.as_str(), rows(&found)), (expected, names.to_vec()));
+            assert_eq!(found.outcome.settings.averages, averages);
+            let d_air = &found.outcome.parameters.d_air;
+            assert!((d_air.value.unwrap() - blue.d_air).abs() < 4.0 * d_air.sigma.unwrap(), "{name}: {d_air:?}");
+        }
     }
 }
