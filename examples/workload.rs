@@ -73,7 +73,7 @@ fn range(workload: &Value, key: &str) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// The median time of the runs of half a second, at least 3 and at most 1000, after the first, which pays for cold memory.
+/// The median time of as many runs as half a second holds, 3 to 1000, after the first, which pays for cold memory.
 fn median_seconds(mut work: impl FnMut() -> Result<()>) -> Result<f64> {
     work()?;
     let (mut times, begin) = (Vec::new(), Instant::now());

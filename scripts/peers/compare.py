@@ -6,9 +6,9 @@
 
 FOLDER holds the definitions w1.json, w2.json and so on with their data. In each round every program of a workload runs
 once, on one thread, this crate first; the table has the median of each and the median of the rounds' ratios. A ratio above 1
-says that this crate is faster. Compilation, reading and start-up are not timed; short work is the median of the
-runs of half a second, at least 3 and at most 1000, after a first. Two ratios: by the clock, and for W3b and W4 by processor time, which other load on the machine disturbs less
-(for this crate that of the whole process, start-up included).
+says that this crate is faster. Compilation, reading and start-up are not timed; short work is the median of as many runs
+as half a second holds, 3 to 1000, after a first. Two ratios: by the clock, and for W3b and W4 by processor time, which
+other load on the machine disturbs less (for this crate that of the whole process, start-up included).
 
 The run fails if a result is wrong: W1 beyond 1e-11 of the numba form (the recurrence as printed cancels near R = 0: the
 workload's own tolerance); chi-squared of W2 beyond 1e-6 of that of this crate; a failed fit of W5. W3b counts as success

@@ -73,7 +73,7 @@ def timed(work):
 
 
 def short(amount, work):
-    """The median of the runs of half a second, at least 3 and at most 1000, after a first."""
+    """The median of as many runs as half a second holds, 3 to 1000, after a first."""
 
     def run():
         found = work()

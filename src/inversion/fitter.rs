@@ -13,7 +13,7 @@ use std::sync::{Arc, RwLock};
 /// Fits data sets one after another or side by side, each to the same bits as [`fit`](crate::inversion::fit) does.
 ///
 /// Data sets whose readings have the same wavelengths, angles, polarizations and curves, as the pixels of a map do, share
-/// what the readings see of the model; other data sets are compiled for themselves.
+/// what the readings see of the model. The last design is kept: where designs take turns each is compiled again, as in a fit by itself.
 ///
 /// ```
 /// use morpho_fit::inversion::{FitSettings, Fitter};
@@ -136,9 +136,12 @@ impl Part {
 mod tests {
     use super::*;
     use crate::inversion::fit::fit;
+    use crate::inversion::nuisance::{Extent, Nuisances};
     use crate::inversion::settings::ModelChoice;
     use crate::optics::{BlendModel, Structure};
+    use crate::optimise::Loss;
     use crate::synthetic::{Scan, simulate};
+    use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
     /// Of one design, of another one and back, with other noise, each to the last bit.
     #[test]
@@ -159,6 +162,40 @@ mod tests {
                 let (alone, together) = (fit(data, &settings, &|_| {}).unwrap(), fitter.fit(data, &|_| {}).unwrap());
                 assert_eq!(format!("{:?}", alone.outcome), format!("{:?}", together.outcome));
                 assert_eq!(alone.readings, together.readings);
+            }
+        }
+    }
+
+    /// With sigma, without and with it again, curves that take turns with scales of their own, a robust loss; many threads at once.
+    #[test]
+    fn what_is_shared_is_the_design_alone() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let scans = Scan::full_design(&model, &blue).unwrap();
+        let data = simulate(&model, &blue, &scans, 1.0, 0.01, 5).unwrap();
+        let changed = |change: &dyn Fn(usize, &mut Reading)| {
+            let mut readings = data.readings().to_vec();
+            readings.iter_mut().enumerate().for_each(|(row, reading)| change(row, reading));
+            let curves = readings.iter().map(|reading| reading.curve).max().unwrap() + 1;
+            Dataset::from_readings(readings, data.curves()[..curves].to_vec()).unwrap()
+        };
+        let sets = [
+            changed(&|_, _| {}),
+            changed(&|_, reading| reading.sigma = None),
+            changed(&|row, reading| reading.sigma = Some(if row % 2 == 0 { 0.01 } else { 0.02 })),
+            changed(&|row, reading| reading.curve = (reading.curve + row) % 2),
+            changed(&|row, reading| reading.intensity *= if row == 7 { 3.0 } else { 1.0 }),
+        ];
+        let nuisances = Nuisances { scale: Extent::PerCurve, ..Nuisances::default() };
+        for settings in [
+            FitSettings { nuisances, ..FitSettings::default() },
+            FitSettings { loss: Loss::Huber, ..FitSettings::default() },
+        ] {
+            let fitter = Fitter::new(settings.clone()).unwrap();
+            let text = |fit: Result<Fit, FitError>| format!("{:?}", fit.map(|fit| fit.outcome));
+            let together: Vec<String> = sets.par_iter().map(|data| text(fitter.fit(data, &|_| {}))).collect();
+            for (data, together) in sets.iter().zip(together) {
+                assert_eq!(text(fit(data, &settings, &|_| {})), together);
+                assert_eq!(text(fitter.fit(data, &|_| {})), together);
             }
         }
     }

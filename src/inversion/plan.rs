@@ -144,7 +144,7 @@ impl<'a> Plan<'a> {
         Self::of_rows(data, model, parts, &Self::thinned_rows(data, limit))
     }
 
-    /// About `limit` rows of all: one from each run of neighbours in a curve; short curves are kept.
+    /// About `limit` rows of all, curve by curve: one from each run of neighbours in a curve; short curves are kept.
     ///
     /// Which one of a run is spread by the golden ratio: a fixed stride would take the same angles from each scan wherever
     /// it shares a factor with the length of a scan, and then the search sees none of the others.
@@ -160,7 +160,6 @@ impl<'a> Plan<'a> {
             let spread = |place: usize, run: &[usize]| run[place.wrapping_mul(GOLDEN) % SPREAD * run.len() / SPREAD];
             rows.extend(curve.chunks(stride).enumerate().map(|(place, run)| spread(place, run)));
         }
-        rows.sort_unstable();
         rows
     }
 

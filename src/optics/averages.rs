@@ -31,6 +31,8 @@ const STEPS: f64 = 30.0;
 /// Steps at least and at most.
 const FEWEST: usize = 16;
 const MOST: usize = 1024;
+/// Plane waves of all wavelengths beyond which an answer is remembered: some microseconds.
+const DEAR: usize = 1000;
 /// Full width at half maximum of a normal distribution over its standard deviation.
 const WIDTH: f64 = 2.354_820_045_030_949;
 
@@ -267,13 +269,14 @@ impl ReflectivityModel for AveragedModel {
             }
             return Ok(());
         };
-        let question = Memory::question(media, wavenumbers, period, angle);
-        if self.memory.recall(&question, out) {
+        let (beams, shifts) = (self.beams(ambient, angle), self.shifts(wavenumbers, period));
+        let is_dear = self.disorder.is_some() || beams.len() * shifts.len() * wavenumbers.len() > DEAR;
+        let question = is_dear.then(|| Memory::question(media, wavenumbers, period, angle));
+        if question.as_ref().is_some_and(|question| self.memory.recall(question, out)) {
             return Ok(());
         }
         out.fill(SAndP::default());
         let mut one = vec![SAndP::default(); wavenumbers.len()];
-        let (beams, shifts) = (self.beams(ambient, angle), self.shifts(wavenumbers, period));
         for (place, &(band, longer_by, share)) in shifts.iter().enumerate() {
             let (period, ..) = longer(period, longer_by);
             let shifted = shifted(wavenumbers, band);
@@ -287,7 +290,9 @@ impl ReflectivityModel for AveragedModel {
                 }
             }
         }
-        self.memory.keep(question, out);
+        if let Some(question) = question {
+            self.memory.keep(question, out);
+        }
         Ok(())
     }
 

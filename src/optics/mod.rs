@@ -172,7 +172,7 @@ pub trait ReflectivityModel: std::fmt::Debug + Send + Sync {
     /// [`contributions`](Self::contributions) at many readings of one structure, `(geometry, wavelength in nm)`: the stack is
     /// computed once for all of an angle and wavelength, and all wavelengths of an angle together.
     ///
-    /// The same as one by one to rounding; of an average over a band to the accuracy of its steps, which follow the shortest
+    /// A model with contributions of its own needs both. The same as one by one to rounding; of an average over a band to the accuracy of its steps, which follow the shortest
     /// wavelength of an angle.
     ///
     /// # Shape

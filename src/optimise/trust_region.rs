@@ -6,7 +6,8 @@
 //!
 //! # Source
 //! Moré 1978, *The Levenberg-Marquardt algorithm: implementation and theory*, DOI 10.1007/BFb0067700, with the singular
-//! values of `R D⁻¹` in place of his pivoted QR: for the few columns of a fit it is as fast and sees rank loss.
+//! values of `R D⁻¹` in place of his pivoted QR: for the few columns of a fit it is as fast and sees rank loss. A triangle far from
+//! that is solved by substitution first: in the ball, that is the step.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,8 +16,8 @@ const RADIUS_TOLERANCE: f64 = 0.1;
 /// Newton's method for the multiplier has a few steps; more than this is a sign of non-finite input.
 const MAX_NEWTON_STEPS: usize = 30;
 
-/// A pivot that is less of its column than this may hide a rank loss: singular values tell.
-const LEAST_PIVOT: f64 = 1e-4;
+/// A diagonal entry that is less of its column than this may hide a rank loss: singular values tell.
+const LEAST_SHARE: f64 = 1e-4;
 
 /// A step, and whether the radius held it back.
 #[derive(Debug, Clone)]
@@ -71,7 +72,7 @@ fn by_substitution(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     let n = a.ncols();
     let sound = |j: usize| {
         let column = a.column(j);
-        a[(j, j)].abs() > LEAST_PIVOT * column.norm() && column.iter().skip(j + 1).all(|below| *below == 0.0)
+        a[(j, j)].abs() > LEAST_SHARE * column.norm() && column.iter().skip(j + 1).all(|below| *below == 0.0)
     };
     if a.nrows() != n || !(0..n).all(sound) {
         return None;

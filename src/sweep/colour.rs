@@ -15,6 +15,8 @@ const PROBES: usize = 384;
 const UNSEEN: f64 = 0.5;
 /// Views that are looked at besides, where the probes do not show every view: those that half the wavelengths change most.
 const HARDEST: usize = 64;
+/// Views of one structure and incidence that are computed together.
+const TOGETHER: usize = 64;
 
 /// Who looks, in which light, and how fine the spectra are.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +105,7 @@ pub fn colours(
     let all = match known.spectra {
         Some((grid, all)) if grid == wavelengths => all,
         Some((grid, all)) if grid == Wavelengths::finest() && all.len() == views.len() => {
-            // Of the same bits as if it were computed on the coarser grid.
+            // The same as on the coarser grid, to rounding.
             let step = (grid.len() - 1) / (wavelengths.len() - 1).max(1);
             let thinned = |values: Vec<f64>| values.into_iter().step_by(step).collect();
             all.into_iter().map(|spectrum| spectrum.map(thinned)).collect()
@@ -175,11 +177,12 @@ pub fn spectra(
         }
         groups[number].push(place);
     }
-    let of_group = |group: &Vec<usize>| -> Result<Spectra, OpticsError> {
+    let of_group = |group: &[usize]| -> Result<Spectra, OpticsError> {
         let seen: Vec<&View> = group.iter().filter_map(|&place| views.get(place)).collect();
         together(model, &seen, polarization, wavelengths)
     };
-    let found = groups.par_iter().map(of_group).collect::<Result<Vec<Spectra>, _>>()?;
+    let jobs: Vec<&[usize]> = groups.iter().flat_map(|group| group.chunks(TOGETHER)).collect();
+    let found = jobs.par_iter().map(|job| of_group(job)).collect::<Result<Vec<Spectra>, _>>()?;
     let mut all = vec![None; views.len()];
     for (place, spectrum) in groups.into_iter().flatten().zip(found.into_iter().flatten()) {
         all[place] = spectrum;
@@ -260,6 +263,38 @@ mod tests {
     fn mirror(theta: f64) -> View {
         let geometry = Geometry { theta: radians(theta), phi: radians(-theta), omega: radians(90.0) };
         View { structure: Structure::blue(), geometry }
+    }
+
+    /// Views of two structures, incidences and several views of each in turn, more than are computed together.
+    #[test]
+    fn views_that_share_a_stack_have_the_spectra_of_each_alone() {
+        let (model, light) = (BlendModel::default(), Polarization::Unpolarized);
+        let views: Vec<View> = (0..300)
+            .map(|place| {
+                let structure = if place % 3 == 0 { Structure::table1() } else { Structure::blue() };
+                let (theta, phi) = (20.0 * f64::from(place % 2), -40.0 + 0.3 * f64::from(place));
+                let geometry = Geometry { theta: radians(theta), phi: radians(phi), omega: radians(70.0) };
+                View { structure, geometry }
+            })
+            .collect();
+        let grid = Wavelengths::new(380.0, 740.0, 40.0).unwrap();
+        let all = spectra(&model, &views, light, &grid).unwrap();
+        for (view, all) in views.iter().zip(&all) {
+            for (wavelength, value) in grid.iter().zip(all.as_ref().unwrap()) {
+                let alone = model.reflectivity(&view.structure, &view.geometry, light, wavelength).unwrap();
+                assert!((value - alone).abs() < 1e-14, "{view:?} {wavelength}: {value} {alone}");
+            }
+        }
+        // Of few views all are probes, by 1 nm: their colours are those of the grid that was chosen.
+        let found = colours(&model, &views, light, &Viewing::default()).unwrap();
+        let grid = Grid::Of(found.sampling.wavelengths);
+        assert!(found.sampling.wavelengths.step() > 1.0);
+        let direct = colours(&model, &views, light, &Viewing { grid, ..Viewing::default() }).unwrap();
+        for (thinned, direct) in found.colours.iter().zip(&direct.colours) {
+            let (thinned, direct) = (thinned.unwrap(), direct.unwrap());
+            let off = [thinned.x - direct.x, thinned.y - direct.y, thinned.z - direct.z];
+            assert!(off.iter().all(|off| off.abs() < 1e-12), "{off:?}");
+        }
     }
 
     #[test]

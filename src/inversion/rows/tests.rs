@@ -117,3 +117,53 @@ fn parts_and_slopes_are_those_of_each_reading() {
         }
     }
 }
+
+/// Runs of every length about that of a vector register, of each kind of nodes and share: a part that a reading does not see may be NaN.
+#[test]
+fn runs_of_any_length_are_those_of_each_reading() {
+    let kinds: [fn(usize) -> usize; 3] = [|_| 2, |i| 1 + i, |i| i * 7 % 11];
+    for length in 1..=17 {
+        for (of_stack, of_lobe) in kinds.iter().flat_map(|stack| kinds.iter().map(move |lobe| (stack, lobe))) {
+            for shares in [(0.25, 0.75), (0.0, 1.0), (1.0, 0.0)] {
+                let all: Vec<PlannedReading> =
+                    (0..length).map(|i| reading([1 + i, of_stack(i), of_lobe(i)], 0, shares)).collect();
+                let rows = Rows::new(&all, &[0]);
+                let seen = |share: f64, phase: f64| if share > 0.0 { wave(20, phase) } else { vec![f64::NAN; 20] };
+                let [p, d, by_p, by_d] = [0.1, 0.2, 0.3, 0.4].map(|phase| seen(shares.0, phase));
+                let [r, r_a, r_c, r_t, l, l_t, l_h] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1].map(|x| seen(shares.1, x));
+                let terms = TermsView { interference: &p, diffraction: &d, stack: &r, lobe: &l };
+                let by = TermSlopes {
+                    lamella: [&by_p, &by_d],
+                    stack: [&r_a, &r_c, &r_t],
+                    lobe: [&l_t, &l_h],
+                    lobe_by_width: None,
+                };
+                let weights = rows.weighted(&[]).weights.into_owned();
+                let parts = rows.parts(terms, &weights);
+                let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| vec![f64::NAN; length]);
+                for block in rows.blocks() {
+                    let columns = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
+                    rows.slopes(block, terms, &by, &weights, (1.5, 0.5), columns);
+                }
+                for (i, reading) in all.iter().enumerate() {
+                    let (n, j, k) = (reading.lamella, reading.stack, reading.lobe);
+                    let of = |share: f64, value: f64| if share > 0.0 { reading.weight * share * value } else { 0.0 };
+                    let (a, b) = (|value| of(shares.0, value), |value| of(shares.1, value));
+                    assert_relative_eq!(parts.lamella[i], a(p[n] * d[n]), epsilon = 1e-14);
+                    assert_relative_eq!(parts.multilayer[i], b(r[j] * l[k]), epsilon = 1e-14);
+                    let by_period = 1.5 * a(by_p[n] * d[n]);
+                    let expected = [
+                        by_period + 0.5 * b(r_a[j] * l[k]),
+                        by_period + 0.5 * b(r_c[j] * l[k]),
+                        0.5 * b(r_t[j] * l[k] + r[j] * l_t[k]),
+                        0.5 * b(r[j] * l_h[k]),
+                        1.5 * a(by_d[n] * p[n]),
+                    ];
+                    for (column, expected) in columns.iter().zip(expected) {
+                        assert_relative_eq!(column[i], expected, epsilon = 1e-14);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -76,8 +76,8 @@ impl Disorder {
         out: &mut [SAndP],
     ) {
         let kinds = self.kinds(period);
-        let places = self.share(node, nodes);
-        let (order, stacks) = (&self.order[places.clone()], places.len() / self.length);
+        let (places, stacks) = self.share(node, nodes);
+        let order = &self.order[places.clone()];
         let layers = Order { kinds: &kinds, order, repeats: 1, stacks, pairs: self.pairs.within(places) };
         ordered_unchecked(media, wavenumbers, layers, angle, out);
     }
@@ -88,12 +88,13 @@ impl Disorder {
         of(GAP, period.gap).chain(of(CUTICLE, period.cuticle)).collect()
     }
 
-    /// Places in the order of the stacks for one of so many plane waves, whole rows `a` of the array: in each of these a layer takes each level once.
-    fn share(&self, node: usize, nodes: usize) -> Range<usize> {
+    /// Places in the order of the stacks for one of so many plane waves, and the number of these stacks: whole rows `a` of the array, in
+    /// each of which a layer takes each level once.
+    fn share(&self, node: usize, nodes: usize) -> (Range<usize>, usize) {
         let rows = if nodes > 1 { TOGETHER.div_ceil(nodes).min(LEVELS) } else { LEVELS };
         let first = node * rows % (LEVELS - rows + 1);
         let row = LEVELS * self.length;
-        first * row..(first + rows) * row
+        (first * row..(first + rows) * row, LEVELS * rows)
     }
 }
 
@@ -176,12 +177,13 @@ mod tests {
     #[test]
     fn shares_are_within_the_array_and_all_together_are_all_of_it() {
         let disorder = Disorder::new(3, 1.0);
-        assert_eq!(disorder.share(0, 1), 0..disorder.order.len());
+        assert_eq!(disorder.share(0, 1), (0..disorder.order.len(), LEVELS * LEVELS));
         for nodes in [2, 17, 65, 124, 1000] {
             let mut first = std::collections::HashSet::new();
             for node in 0..nodes {
-                let places = disorder.share(node, nodes);
-                assert!(places.end <= disorder.order.len() && places.len().is_multiple_of(LEVELS * disorder.length));
+                let (places, stacks) = disorder.share(node, nodes);
+                assert!(places.end <= disorder.order.len() && places.len() == stacks * disorder.length);
+                assert!(stacks.is_multiple_of(LEVELS));
                 first.insert(places.start);
             }
             assert_eq!(first.len() > 1, nodes > 4, "{nodes}");

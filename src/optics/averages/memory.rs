@@ -3,11 +3,12 @@
 use crate::optics::Media;
 use crate::optics::multilayer::{Period, SAndP};
 use rustc_hash::FxHashMap;
-use std::mem::take;
+use std::fmt;
+use std::mem::{replace, take};
 use std::sync::{Mutex, PoisonError};
 
-/// Words of eight bytes in each of the two halves: 34 MB. A map of 56 by 56 cells with a spectrum of 73 wavelengths each has a
-/// quarter of them.
+/// Words of eight bytes in each of the two halves, which take 34 MB each. A map of 56 by 56 cells with a spectrum of 73 wavelengths
+/// fills a fifth of a half.
 const MOST: usize = 1 << 22;
 /// What an entry takes beside its words.
 const ENTRY: usize = 16;
@@ -16,7 +17,7 @@ const ENTRY: usize = 16;
 type Question = Vec<u64>;
 
 /// Answers to the last questions.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Memory {
     halves: Mutex<Halves>,
 }
@@ -30,16 +31,27 @@ struct Halves {
     words: usize,
 }
 
+impl fmt::Debug for Memory {
+    /// Without the answers: they are many.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("Memory").finish_non_exhaustive()
+    }
+}
+
 impl Halves {
-    fn keep(&mut self, question: Question, answer: Vec<SAndP>) {
+    /// What comes back is forgotten, once the lock is open.
+    #[must_use]
+    fn keep(&mut self, question: Question, answer: Vec<SAndP>) -> FxHashMap<Question, Vec<SAndP>> {
+        let mut forgotten = FxHashMap::default();
         let more = words(&question, &answer);
         if self.words + more > MOST {
-            self.old = take(&mut self.young);
+            forgotten = replace(&mut self.old, take(&mut self.young));
             self.words = 0;
         }
         if self.young.insert(question, answer).is_none() {
             self.words += more;
         }
+        forgotten
     }
 }
 
@@ -62,16 +74,20 @@ impl Memory {
     /// Writes a known answer.
     pub(super) fn recall(&self, question: &Question, out: &mut [SAndP]) -> bool {
         let mut halves = self.halves.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((question, answer)) = halves.old.remove_entry(question) {
-            halves.keep(question, answer);
-        }
+        let again = halves.old.remove_entry(question);
+        let forgotten = again.map(|(question, answer)| halves.keep(question, answer));
         let known = halves.young.get(question).filter(|answer| answer.len() == out.len());
-        known.map(|answer| out.copy_from_slice(answer)).is_some()
+        let found = known.map(|answer| out.copy_from_slice(answer)).is_some();
+        drop(halves);
+        drop(forgotten);
+        found
     }
 
     pub(super) fn keep(&self, question: Question, answer: &[SAndP]) {
         if words(&question, answer) <= MOST {
-            self.halves.lock().unwrap_or_else(PoisonError::into_inner).keep(question, answer.to_vec());
+            let answer = answer.to_vec();
+            let forgotten = self.halves.lock().unwrap_or_else(PoisonError::into_inner).keep(question, answer);
+            drop(forgotten);
         }
     }
 }
@@ -80,6 +96,7 @@ impl Memory {
 mod tests {
     use super::*;
     use crate::optics::Stack;
+    use nalgebra::Complex;
 
     #[test]
     fn the_last_answers_are_known_and_no_others() {
@@ -92,18 +109,28 @@ mod tests {
         memory.keep(question(0.1), &[SAndP::both(0.3), SAndP::both(0.4)]);
         assert!(memory.recall(&question(0.1), &mut out));
         assert_eq!(out, [SAndP::both(0.3), SAndP::both(0.4)]);
-        // The sign of zero is a bit too, and a moved angle, period, medium or wavenumber another question.
-        let thicker = Period { gap: 142.0, ..period };
-        let denser = [Media { base: media[0].base + 0.1, ..media[0] }];
+        // A moved angle, thickness, index or wavenumber is another question.
+        let lossy = Complex::new(0.0, 1e-9);
+        let of = |media: Media, period: Period| Memory::question(&[media], &[0.01, 0.02], period, 0.1);
+        let [known] = media;
         for other in [
             question(0.2),
-            Memory::question(&media, &[0.01, 0.02], thicker, 0.1),
-            Memory::question(&denser, &[0.01, 0.02], period, 0.1),
+            of(known, Period { gap: 142.0, ..period }),
+            of(known, Period { cuticle: 63.0, ..period }),
+            of(Media { ambient: known.ambient + 1e-9, ..known }, period),
+            of(Media { cuticle: known.cuticle + 1e-9, ..known }, period),
+            of(Media { cuticle: known.cuticle + lossy, ..known }, period),
+            of(Media { gap: known.gap + 1e-9, ..known }, period),
+            of(Media { gap: known.gap + lossy, ..known }, period),
+            of(Media { base: known.base + 1e-9, ..known }, period),
+            of(Media { base: known.base + lossy, ..known }, period),
             Memory::question(&media, &[0.01, 0.03], period, 0.1),
             Memory::question(&media, &[0.01], period, 0.1),
+            Memory::question(&[known, known], &[0.01, 0.02], period, 0.1),
         ] {
             assert!(!memory.recall(&other, &mut out));
         }
+        assert_eq!(format!("{memory:?}"), "Memory { .. }");
     }
 
     #[test]

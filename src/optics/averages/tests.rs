@@ -220,3 +220,29 @@ fn together(model: &AveragedModel, structure: &Structure) {
         }
     }
 }
+
+/// Media of another stack: one without layers has nothing to spread, and is the interface of air and glass, (0.5 / 2.5)².
+#[test]
+fn a_spread_of_no_layers_is_the_interface() {
+    let stack = Stack { layers: 0, ..Stack::default() };
+    let model = BlendModel { stack };
+    let model = AveragedModel::new(Box::new(model), Averages { layer_spread: 5.0, ..Averages::default() }).unwrap();
+    let media = Media { base: 1.5.into(), ..Stack::default().media(480.0).unwrap() };
+    let found = model.stack_reflectivity(&media, PERIOD, 0.0).unwrap();
+    assert_abs_diff_eq!(found.s, 0.04, epsilon = 1e-12);
+    assert_abs_diff_eq!(found.p, 0.04, epsilon = 1e-12);
+}
+
+/// The same bits from memory, after other questions, as from a model that was never asked.
+#[test]
+fn what_is_remembered_is_what_is_computed() {
+    let averages = Averages { layer_spread: 5.0, ..Averages::default() };
+    let (used, media) = (averaged(averages), Stack::default().media(480.0).unwrap());
+    let ask = |model: &AveragedModel, angle: f64| model.stack_reflectivity(&media, PERIOD, angle).unwrap();
+    let first = ask(&used, 0.2);
+    for step in 0..20 {
+        ask(&used, 0.03 * f64::from(step));
+    }
+    assert_eq!((ask(&used, 0.2), ask(&averaged(averages), 0.2)), (first, first));
+    assert_eq!(format!("{used:?}"), format!("{:?}", averaged(averages)));
+}
