@@ -119,6 +119,12 @@ impl Subject {
         Ok(told)
     }
 
+    /// The model's name, with what is averaged over.
+    pub(crate) fn model_in_words(&self) -> String {
+        let name = self.model.name();
+        self.plain.as_ref().map_or_else(|| name.to_owned(), |(_, averages)| format!("{name}, {averages}"))
+    }
+
     /// The five values in one line.
     pub(crate) fn values(&self) -> String {
         let values = morpho_fit::inversion::values(&self.structure);

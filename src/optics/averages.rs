@@ -25,6 +25,7 @@ use layers::{Disorder, MOST_LAYERS};
 use memory::Memory;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use std::fmt;
 
 /// Steps over a normal distribution for each `M²` times its relative width.
 const STEPS: f64 = 30.0;
@@ -64,6 +65,23 @@ pub struct Averages {
     pub layer_spread: f64,
     /// Standard deviation of the tilt over the spot, rad; normal. Not beside a numerical aperture.
     pub tilt_spread: f64,
+}
+
+impl fmt::Display for Averages {
+    /// What is averaged over, in the user's units; `plane waves on equal layers` without any.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let tilt = (degrees(self.tilt_spread) * 1e9).round() / 1e9;
+        let all = [
+            (self.numerical_aperture, "numerical aperture ", ""),
+            (self.bandwidth, "band ", " nm"),
+            (self.period_spread, "period ± ", " nm"),
+            (self.layer_spread, "each layer ± ", " nm"),
+            (tilt, "tilt ± ", "°"),
+        ];
+        let told = all.iter().filter(|(value, ..)| *value > 0.0);
+        let told: Vec<String> = told.map(|(value, before, after)| format!("{before}{value}{after}")).collect();
+        if told.is_empty() { out.write_str("plane waves on equal layers") } else { out.write_str(&told.join(", ")) }
+    }
 }
 
 impl Averages {

@@ -41,7 +41,8 @@ pub fn text(fit: &Fit, width: usize) -> String {
     report.push_str(&parameters(outcome));
     report.push('\n');
     let nuisance = if wording::answers(outcome) { nuisances(&outcome.nuisance) } else { String::new() };
-    for line in [wording::stiffness(outcome), nuisance, wording::goodness(outcome), data(outcome)] {
+    let (stiffness, averages) = (wording::stiffness(outcome), wording::averages(outcome));
+    for line in [stiffness, nuisance, averages, wording::goodness(outcome), data(outcome)] {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
     report.push_str(&rivals(outcome, width));

@@ -280,6 +280,13 @@ pub fn stiffness(outcome: &FitOutcome) -> String {
     format!("stiffest: {}; sloppiest: {}", combination(stiff), combination(sloppy))
 }
 
+/// What is averaged over; empty for plane waves on equal layers.
+#[must_use]
+pub fn averages(outcome: &FitOutcome) -> String {
+    let averages = outcome.settings.averages;
+    if averages.is_none() { String::new() } else { format!("averaged over: {averages}") }
+}
+
 /// How well the model meets the data.
 #[must_use]
 pub fn goodness(outcome: &FitOutcome) -> String {

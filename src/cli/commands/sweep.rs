@@ -245,7 +245,7 @@ fn chart(
             axis.rule,
             viewing.observer.name(),
             viewing.illuminant.name(),
-            subject.model.name()
+            subject.model_in_words()
         ),
         x_label: format!("{} / {}", axis.parameter, axis.parameter.unit()),
         x: axis.at.clone(),

@@ -302,7 +302,7 @@ fn figure(
         subject.values(),
         viewing.observer.name(),
         viewing.illuminant.name(),
-        subject.model.name()
+        subject.model_in_words()
     );
     Ok(Some(planes_figure(&title, &light, &planes, &format!("outside sRGB: {}", mapping.wording()))?))
 }
@@ -312,8 +312,10 @@ fn told(subject: &Subject, viewing: &Viewing, sheet: &TableSheet<'_>) -> Vec<Str
     let nodes = table.nodes();
     let against = if wavelengths == reference { "the same wavelengths" } else { "wavelengths by 1 nm" };
     let tier = sheet.averages.as_ref().map(|TableAverages { plane_waves, missed, .. }| {
-        let done = if *plane_waves { "and left out" } else { "and computed" };
-        format!("averages: plane waves on equal layers differ by ΔE₀₀ {missed:.2} at worst in random directions {done}")
+        let done = if *plane_waves { "and stand for them" } else { "so they are computed" };
+        format!(
+            "averages: plane waves on equal layers are off by ΔE₀₀ {missed:.2} at worst in random directions, {done}"
+        )
     });
     let [theta, phi, omega] = [judged.at.theta, judged.at.phi, judged.at.omega].map(degrees);
     let mut lines = vec![

@@ -246,3 +246,11 @@ fn what_is_remembered_is_what_is_computed() {
     assert_eq!((ask(&used, 0.2), ask(&averaged(averages), 0.2)), (first, first));
     assert_eq!(format!("{used:?}"), format!("{:?}", averaged(averages)));
 }
+
+#[test]
+fn averages_are_told_in_the_units_of_the_user() {
+    let tilt_spread = 3.0_f64.to_radians();
+    let all = Averages { bandwidth: 10.0, layer_spread: 2.5, tilt_spread, ..Averages::default() };
+    assert_eq!(all.to_string(), "band 10 nm, each layer ± 2.5 nm, tilt ± 3°");
+    assert_eq!(Averages::default().to_string(), "plane waves on equal layers");
+}

@@ -3,7 +3,6 @@
 use super::markup::{escape, facts};
 use crate::inversion::{FitSettings, Parameter, Role};
 use crate::optics::Material;
-use crate::units::degrees;
 use serde::Serialize;
 
 /// Decimals that a change of units and back leaves right.
@@ -35,12 +34,7 @@ pub(super) fn settings(settings: &FitSettings) -> String {
         rows.push(("filling of the layers", filling.to_string()));
     }
     if !averages.is_none() {
-        let (period, layer, tilt) =
-            (averages.period_spread, averages.layer_spread, rounded(degrees(averages.tilt_spread)));
-        let (aperture, band) = (averages.numerical_aperture, averages.bandwidth);
-        let instrument = format!("numerical aperture {aperture}, band {band} nm");
-        let spot = format!("period ± {period} nm, each layer ± {layer} nm, tilt ± {tilt} deg");
-        rows.push(("averages", format!("{instrument}, {spot}")));
+        rows.push(("averages", averages.to_string()));
     }
     if !required.is_empty() {
         let names: Vec<&str> = required.iter().map(|parameter| parameter.name()).collect();
