@@ -32,6 +32,8 @@ const TIED: f64 = 1e-3;
 const LIKELIER: f64 = 1.5;
 /// Readings that a map looks at.
 const MAP_READINGS: usize = 240;
+/// The same of a model that averages.
+const DEAR_READINGS: usize = 80;
 /// One cell in so many, the best ones, is polished.
 const POLISHED: usize = 6;
 
@@ -204,7 +206,7 @@ pub struct ChiSquareMap {
 ///
 /// A cell shows chi² at its middle with the best of the other parameters on a grid, and the best sixth of the cells the
 /// least chi² within, as a run of the solver finds it. The map looks at some 240 readings; Δchi² is brought to the number
-/// of all.
+/// of all. Of a model that averages, each value of which is dear, it has half as many cells each way and looks at some 80.
 ///
 /// # Errors
 /// [`FitError`] if `data` are not those of `fit`.
@@ -218,7 +220,8 @@ pub fn chi_square_map(data: &Dataset, fit: &Fit, cells: usize) -> Result<Option<
     else {
         return Ok(None);
     };
-    let thin = Compiled::thinned(data, settings, model.as_ref(), MAP_READINGS)?;
+    let (readings, cells) = if model.is_average() { (DEAR_READINGS, cells / 2) } else { (MAP_READINGS, cells) };
+    let thin = Compiled::thinned(data, settings, model.as_ref(), readings)?;
     let cells = cells.clamp(2, 400);
     #[allow(clippy::cast_precision_loss, reason = "counts of cells are small")]
     let edges = |low: f64, high: f64| -> Vec<f64> {
