@@ -368,7 +368,7 @@ fn a_folder_with_another_fit_of_the_same_data_is_made_again() {
 #[test]
 fn a_table_stands_without_a_map() {
     let folder = TempDir::new().unwrap();
-    map(&folder, 2, 4);
+    map(&folder, 1, 4);
     let text = fs::read_to_string(folder.path().join("map.csv")).unwrap();
     let fit = FIT.replace(" --no-plots", "");
     let place = |line: &str, x: &str| match line.rsplitn(3, ',').collect::<Vec<_>>().as_slice() {
@@ -376,7 +376,6 @@ fn a_table_stands_without_a_map() {
         _ => format!("{line}\n"),
     };
     for (x, picture) in [("1e17", "map"), ("1e308", "items")] {
-        // Both columns have the same x; rows of one place are one measurement of twice the readings.
         write(&folder, "far.csv", &text.lines().map(|line| place(line, x)).collect::<String>());
         let ended = succeeds(&folder, &format!("batch far.csv --by x,y {fit} --out {picture}"));
         let files = names(&folder.path().join(picture));
@@ -385,6 +384,8 @@ fn a_table_stands_without_a_map() {
         assert_eq!(told, usize::from(picture == "items"), "{}", ended.err);
     }
     // Scattered places are shown one by one.
+    map(&folder, 2, 4);
+    let text = fs::read_to_string(folder.path().join("map.csv")).unwrap();
     let place = |line: &str| match line.rsplitn(3, ',').collect::<Vec<_>>().as_slice() {
         [y, x, row] if *y != "y" => format!("{row},{0},{0}\n", x.parse::<u8>().unwrap() + 2 * y.parse::<u8>().unwrap()),
         _ => format!("{line}\n"),
