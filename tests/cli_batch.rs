@@ -20,8 +20,8 @@ fn simulated(folder: &TempDir, d_air: f64, seed: usize, name: &str) {
     succeeds(folder, &format!("simulate --d-air {d_air} --seed {seed} {SCAN} --out {name}"));
 }
 
-/// One file of pixels, `columns` in a row, with the columns `x` and `y`; the gap grows by 4 nm from pixel to pixel, seven
-/// times.
+/// One file of pixels, `columns` in a row, with the columns `x` and `y`; the gap grows by 4 nm from pixel to pixel,
+/// seven times.
 fn map(folder: &TempDir, columns: usize, pixels: usize) {
     let mut text = String::new();
     for pixel in 0..pixels {

@@ -148,8 +148,8 @@ impl Journal {
         Ok(())
     }
 
-    /// Leaves what is to be kept, the oldest first, and nothing else; no file if that is nothing. Rows of another run, which
-    /// writes at the same time, stay: their number is returned.
+    /// Leaves what is to be kept, the oldest first, and nothing else; no file if that is nothing. Rows of another
+    /// run, which writes at the same time, stay: their number is returned.
     pub(crate) fn finish(mut self, kept: &[Entry]) -> Result<usize> {
         let text = bytes(&self.path)?;
         let is_foreign =

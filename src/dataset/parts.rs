@@ -81,9 +81,9 @@ struct Shared {
 /// `by` are not read as data, but for `curve`. The file is gone through once; parts hold their rows as text.
 ///
 /// # Errors
-/// [`Findings`] if the heading line cannot be used, a column of `by` is missing or holds data, a row cannot belong to a
-/// part (it has too few or too many cells, or its cell of `by` is empty or no number where it must be one), or no row is
-/// there.
+/// [`Findings`] if the heading line cannot be used, a column of `by` is missing or holds data, a row cannot belong to
+/// a part (it has too few or too many cells, or its cell of `by` is empty or no number where it must be one), or no
+/// row is there.
 ///
 /// ```
 /// use morpho_fit::dataset::{ReadOptions, SplitBy, split_csv};
@@ -294,8 +294,8 @@ impl Part {
         self.place
     }
 
-    /// SHA-256 of the heading line and the rows of the part, each ended by a line feed: of the file that would hold this
-    /// part alone. For a column of a wide table, of the wavelengths and that column.
+    /// SHA-256 of the heading line and the rows of the part, each ended by a line feed: of the file that would hold
+    /// this part alone. For a column of a wide table, of the wavelengths and that column.
     #[must_use]
     pub fn sha256(&self) -> &str {
         &self.sha256

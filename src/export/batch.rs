@@ -194,8 +194,8 @@ pub fn batch_json(batch: &Batch) -> Result<Vec<u8>, ExportError> {
 }
 
 /// A row an item: `item`, or both columns of the map under their own names; `model`, `verdict`, `chi2`, `dof`; value,
-/// standard deviation and status of each quantity (`d_air_nm`, `d_air_sigma_nm`, `d_air_status`, …); `warnings`, joined
-/// by `; `; `sha256` of the data; `error`.
+/// standard deviation and status of each quantity (`d_air_nm`, `d_air_sigma_nm`, `d_air_status`, …); `warnings`,
+/// joined by `; `; `sha256` of the data; `error`.
 ///
 /// Cells are empty where there is no value. Numbers are the shortest text with the same bits.
 ///

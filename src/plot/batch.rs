@@ -114,10 +114,10 @@ pub fn items_figure(title: &str, names: &[String], quantities: &[BatchQuantity])
 /// `places: [pixels]`; `values` of each quantity likewise.
 ///
 /// # Errors
-/// [`MapError::Sparse`], [`MapError::Shared`] or [`MapError::Uneven`] if the places are no grid. As [`MapError::Plot`]:
-/// [`PlotError::Count`] for no pixel, or a grid of more than [`CELLS`]; [`PlotError::Unequal`] if a quantity has
-/// another number of values; [`PlotError::Unusable`] if a coordinate is not finite or too large; [`PlotError::NoPanels`], on
-/// drawing, without a quantity.
+/// [`MapError::Sparse`], [`MapError::Shared`] or [`MapError::Uneven`] if the places are no grid. As
+/// [`MapError::Plot`]: [`PlotError::Count`] for no pixel, or a grid of more than [`CELLS`]; [`PlotError::Unequal`] if
+/// a quantity has another number of values; [`PlotError::Unusable`] if a coordinate is not finite or too large;
+/// [`PlotError::NoPanels`], on drawing, without a quantity.
 ///
 /// ```
 /// use morpho_fit::plot::{batch::{BatchQuantity, maps_figure}, draw};

@@ -269,8 +269,8 @@ impl Work<'_> {
         row.report_sha256.as_deref().is_some_and(|sha256| is_left(&folder, sha256, plots))
     }
 
-    /// Fits the items that are open, each on one thread where there are as many; each row goes into the journal as it is
-    /// done.
+    /// Fits the items that are open, each on one thread where there are as many; each row goes into the journal as it
+    /// is done.
     fn fit(
         &self,
         open: &[usize],
