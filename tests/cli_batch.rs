@@ -5,7 +5,7 @@ mod program;
 
 use assert_cmd::Command;
 use morpho_fit::export::{Batch, BatchRow, BatchValue};
-use morpho_fit::inversion::Status;
+use morpho_fit::inversion::{Standing, Status};
 use program::{Ended, names, outcome, run, run_with, succeeds, write};
 use std::fs;
 use std::process::Stdio;
@@ -20,7 +20,8 @@ fn simulated(folder: &TempDir, d_air: f64, seed: usize, name: &str) {
     succeeds(folder, &format!("simulate --d-air {d_air} --seed {seed} {SCAN} --out {name}"));
 }
 
-/// One file of pixels, `columns` in a row, with the columns `x` and `y`; the gap grows by 4 nm from pixel to pixel, seven times.
+/// One file of pixels, `columns` in a row, with the columns `x` and `y`; the gap grows by 4 nm from pixel to pixel,
+/// seven times.
 fn map(folder: &TempDir, columns: usize, pixels: usize) {
     let mut text = String::new();
     for pixel in 0..pixels {
@@ -183,7 +184,7 @@ fn a_broken_item_stops_no_other_and_is_told_by_its_line() {
     ends(&folder, &format!("batch bad.csv good.csv {FIT} --require a"), 3);
     succeeds(&folder, "simulate --scan wavelength=380:740:10 --out across.csv");
     let fit = "--fix delta=2.5 --fix phi_alpha=0.5 --no-plots";
-    let ended = ends(&folder, &format!("batch good.csv across.csv {fit} --require d_air"), 5);
+    let ended = ends(&folder, &format!("batch good.csv across.csv {fit} --require d_air --require a"), 5);
     assert!(ended.err.contains("d_air required but not determined in 1 of 2 items"), "{}", ended.err);
 }
 
@@ -195,6 +196,11 @@ fn what_cannot_begin_leaves_nothing() {
     for (arguments, code, words) in [
         ("batch nowhere.csv neither.csv", 1, "nowhere.csv"),
         ("batch map.csv --by pixel", 3, "map.csv:1: there is no column `pixel`; there are wavelength_nm, theta_deg"),
+        (
+            "batch map.csv --wide theta --omega 90 --phi 0 --by nope",
+            3,
+            "map.csv:1: there is no column `nope`; there are",
+        ),
         ("batch map.csv --by phi_deg", 3, "map.csv:1: column 3 `phi_deg`: `phi_deg` is data"),
         ("batch map.csv --by x,y,z", 2, "one column, or two for a map"),
         ("batch map.csv map.csv", 2, "map.csv is given twice"),
@@ -269,7 +275,9 @@ fn a_map_shows_its_pixels_and_leaves_out_what_is_not_told() {
     }
     assert_eq!((d_air(&all.items[5]).value, d_air(&all.items[5]).status), (None, Status::NotIdentifiable));
     let csv = fs::read_to_string(folder.path().join("out/batch.csv")).unwrap();
-    assert!(csv.starts_with("x,y,verdict,chi2,dof,d_air_nm,d_air_sigma_nm,d_air_status,") && csv.contains("\n2,1,,"));
+    assert!(
+        csv.starts_with("x,y,model,verdict,chi2,dof,d_air_nm,d_air_sigma_nm,d_air_status,") && csv.contains("\n2,1,,")
+    );
     // A chart of an earlier run does not stay beside a table without one.
     ends(&folder, &format!("batch map.csv --by x,y {FIT} --out out"), 3);
     assert_eq!(names(&folder.path().join("out")), ["batch.csv", "batch.json"]);
@@ -324,4 +332,117 @@ fn reports_are_those_of_single_fits() {
     assert!(!charts.err.contains("already"), "{}", charts.err);
     assert!(names(&folder.path().join("all/a")).contains(&"report.html".to_owned()));
     assert!(names(&folder.path().join("all")).contains(&"items.svg".to_owned()));
+}
+
+#[test]
+fn a_folder_with_another_fit_of_the_same_data_is_made_again() {
+    let folder = TempDir::new().unwrap();
+    simulated(&folder, 130.0, 1, "a.csv");
+    simulated(&folder, 140.0, 2, "b.csv");
+    let command = format!("batch a.csv b.csv {FIT} --reports --out all");
+    succeeds(&folder, &command);
+    let of = |place: &str| fs::read(folder.path().join(place).join("fit.json")).unwrap();
+    let (first, table) = (of("all/a"), bytes(&folder, "all"));
+    // As a batch of other settings that was killed leaves it.
+    succeeds(&folder, &format!("a.csv {FIT} --loss huber --out all/a"));
+    assert_ne!(of("all/a"), first);
+    let again = succeeds(&folder, &command);
+    assert!(again.err.contains("1 of 2 items are fitted already; 1 to do"), "{}", again.err);
+    assert!(again.err.contains("folders in all that are missing or hold another fit: 1"), "{}", again.err);
+    assert_eq!((of("all/a"), bytes(&folder, "all")), (first.clone(), table.clone()));
+    // As one that ended leaves it.
+    succeeds(&folder, &format!("{command} --loss huber"));
+    assert_ne!(of("all/a"), first);
+    let again = succeeds(&folder, &command);
+    assert!(!again.err.contains("already"), "{}", again.err);
+    assert_eq!((of("all/a"), bytes(&folder, "all")), (first.clone(), table.clone()));
+    // A table alone takes nothing away: the folders are still there for the next.
+    succeeds(&folder, &command.replace("--reports ", ""));
+    assert_eq!(bytes(&folder, "all"), table);
+    // Data that became useless leave no results of earlier ones beside their error.
+    write(&folder, "a.csv", "wavelength_nm,theta_deg,phi_deg,omega_deg,intensity\n450,0,0,90,x\n");
+    ends(&folder, &command, 3);
+    assert_eq!(names(&folder.path().join("all")), ["b", "batch.csv", "batch.json"]);
+}
+
+#[test]
+fn a_table_stands_without_a_map() {
+    let folder = TempDir::new().unwrap();
+    map(&folder, 1, 4);
+    let text = fs::read_to_string(folder.path().join("map.csv")).unwrap();
+    let fit = FIT.replace(" --no-plots", "");
+    let place = |line: &str, x: &str| match line.rsplitn(3, ',').collect::<Vec<_>>().as_slice() {
+        [y, _, row] if *y != "y" => format!("{row},{x},{y}\n"),
+        _ => format!("{line}\n"),
+    };
+    for (x, picture) in [("1e17", "map"), ("1e308", "items")] {
+        write(&folder, "far.csv", &text.lines().map(|line| place(line, x)).collect::<String>());
+        let ended = succeeds(&folder, &format!("batch far.csv --by x,y {fit} --out {picture}"));
+        let files = names(&folder.path().join(picture));
+        assert_eq!(files, ["batch.csv", "batch.json", &format!("{picture}.png"), &format!("{picture}.svg")]);
+        let told = ended.err.matches("no map is drawn: ").count();
+        assert_eq!(told, usize::from(picture == "items"), "{}", ended.err);
+    }
+    // Scattered places are shown one by one.
+    map(&folder, 2, 4);
+    let text = fs::read_to_string(folder.path().join("map.csv")).unwrap();
+    let place = |line: &str| match line.rsplitn(3, ',').collect::<Vec<_>>().as_slice() {
+        [y, x, row] if *y != "y" => format!("{row},{0},{0}\n", x.parse::<u8>().unwrap() + 2 * y.parse::<u8>().unwrap()),
+        _ => format!("{line}\n"),
+    };
+    write(&folder, "far.csv", &text.lines().map(place).collect::<String>());
+    let ended = succeeds(&folder, &format!("batch far.csv --by x,y {fit} --out scattered"));
+    let words = "no map is drawn: the places are no grid: 4 lie in 4 columns and 4 rows";
+    assert!(ended.err.contains(words), "{}", ended.err);
+    assert!(names(&folder.path().join("scattered")).contains(&"items.svg".to_owned()));
+}
+
+#[test]
+fn a_model_that_was_chosen_is_in_each_row() {
+    let folder = TempDir::new().unwrap();
+    simulated(&folder, 130.0, 1, "a.csv");
+    let fit = FIT.replace("--fix delta=2.5 ", "--model auto ");
+    succeeds(&folder, &format!("batch a.csv {fit} --out all"));
+    succeeds(&folder, &format!("a.csv {fit} --out alone"));
+    let alone = outcome(&folder, "alone");
+    let kept: Vec<String> =
+        alone.choice.unwrap().variants.into_iter().filter(|v| v.standing == Standing::Kept).map(|v| v.name).collect();
+    let all = batch(&folder, "all");
+    let fit = all.items[0].fit.as_ref().unwrap();
+    assert_eq!((&[fit.model.clone()][..], fit.chi2), (&kept[..], alone.chi2));
+    assert_eq!(all.compared.unwrap().len(), 1);
+    let csv = fs::read_to_string(folder.path().join("all/batch.csv")).unwrap();
+    assert!(csv.starts_with("item,model,verdict,") && csv.contains(&format!("\na,{},", kept[0])), "{csv}");
+    succeeds(&folder, &format!("batch a.csv {FIT} --out one"));
+    let one = batch(&folder, "one");
+    assert_eq!((one.items[0].fit.as_ref().unwrap().model.as_str(), one.compared), ("blend", None));
+}
+
+#[test]
+fn rows_of_what_cannot_be_read_now_are_not_lost() {
+    let folder = TempDir::new().unwrap();
+    simulated(&folder, 130.0, 1, "a.csv");
+    simulated(&folder, 140.0, 2, "b.csv");
+    let command = format!("batch a.csv b.csv {FIT} --out all");
+    succeeds(&folder, &command);
+    let table = bytes(&folder, "all");
+    let journal = folder.path().join("all/batch.journal");
+    let away = |name: &str| fs::rename(folder.path().join(name), folder.path().join(format!("{name}.away"))).unwrap();
+    let back = |name: &str| fs::rename(folder.path().join(format!("{name}.away")), folder.path().join(name)).unwrap();
+    // Nothing can be read: table and journal of a batch that was stopped stay.
+    fs::write(&journal, "a line\n").unwrap();
+    away("a.csv");
+    away("b.csv");
+    ends(&folder, &command, 1);
+    assert_eq!((bytes(&folder, "all"), fs::read_to_string(&journal).unwrap()), (table.clone(), "a line\n".to_owned()));
+    // One can: the row of the other waits in the journal.
+    back("a.csv");
+    let ended = ends(&folder, &command, 1);
+    assert!(ended.err.contains("batch.journal keeps rows of items that cannot be read now: 1"), "{}", ended.err);
+    assert_eq!(batch(&folder, "all").counts.errors, 1);
+    back("b.csv");
+    let ended = succeeds(&folder, &command);
+    assert!(ended.err.contains("2 of 2 items are fitted already; 0 to do"), "{}", ended.err);
+    assert_eq!(bytes(&folder, "all"), table);
+    assert!(!journal.exists());
 }

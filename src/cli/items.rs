@@ -9,7 +9,7 @@ use morpho_fit::dataset::{Dataset, Part, SplitBy, read_csv, split_csv};
 use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
 
-/// Letters of a folder's name at most.
+/// Bytes of a folder's name at most, but for a number behind it.
 const LONGEST: usize = 100;
 
 /// One measurement that is fitted by itself.
@@ -154,16 +154,21 @@ fn folders(path: &Path) -> Vec<String> {
 /// A folder for each item, named by it as far as file systems allow, all different and none of them a name in `taken`.
 pub(crate) fn folder_names(items: &[Item], taken: &[String]) -> Vec<String> {
     let mut used: HashSet<String> = taken.iter().map(|name| name.to_lowercase()).collect();
+    let mut numbers: HashMap<String, usize> = HashMap::new();
     let one = |item: &Item| {
         let allowed = |letter: char| letter.is_alphanumeric() || " -_.,+=()".contains(letter);
         let letters = item.name.chars().map(|letter| if allowed(letter) { letter } else { '_' });
-        let name: String = letters.take(LONGEST).collect();
+        let within = |bytes: &mut usize, letter: char| {
+            *bytes += letter.len_utf8();
+            (*bytes <= LONGEST).then_some(letter)
+        };
+        let name: String = letters.scan(0, within).collect();
         let name = name.trim_matches([' ', '.']);
         let name = if name.is_empty() { "item" } else { name };
         let mut free = name.to_owned();
-        let mut number = 1;
+        let number = numbers.entry(name.to_lowercase()).or_insert(1);
         while !used.insert(free.to_lowercase()) {
-            number += 1;
+            *number += 1;
             free = format!("{name} {number}");
         }
         free
@@ -201,6 +206,12 @@ mod tests {
         let items = ["a/x", "a_x", "..", "../y", "Batch.csv", "1,2"].map(item);
         let folders = folder_names(&items, &["batch.csv".to_owned()]);
         assert_eq!(folders, ["a_x", "a_x 2", "item", "_y", "Batch.csv 2", "1,2"]);
+        // A letter may have three bytes; file systems count those. Names with a number come after those that have it.
+        let long = "鱗".repeat(120);
+        let folders = folder_names(&[long.as_str(), &long, "a 2", "a", "a", "a"].map(item), &[]);
+        assert_eq!(folders[0], "鱗".repeat(33));
+        assert_eq!(folders[1], format!("{} 2", folders[0]));
+        assert_eq!(folders[2..], ["a 2", "a", "a 3", "a 4"]);
     }
 
     #[test]

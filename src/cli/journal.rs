@@ -1,11 +1,14 @@
 //! What a batch that was stopped has done: a line of JSON for each item, appended as it is done.
 
+use crate::output;
 use anyhow::{Context, Result};
 use morpho_fit::export::{Batch, BatchRow};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
+use std::collections::hash_map::DefaultHasher;
+use std::collections::{HashMap, HashSet};
 use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
+use std::hash::{Hash, Hasher};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -49,15 +52,19 @@ pub(crate) struct Entry {
 
 /// Rows of earlier runs by their items; those of a journal, which are younger, go before those of a finished batch.
 #[derive(Debug, Default)]
-pub(crate) struct Earlier(HashMap<String, Vec<Entry>>);
+pub(crate) struct Earlier {
+    rows: HashMap<String, Vec<Entry>>,
+    /// Hashes of the lines of the journal.
+    lines: HashSet<u64>,
+}
 
 impl Earlier {
     /// Everything that can be read; a line that was cut off, or is no line of ours, is left out.
     pub(crate) fn read(journal: &Path, finished: &Path) -> Result<Self> {
         let mut rows: HashMap<String, Vec<Entry>> = HashMap::new();
         let text = bytes(journal)?;
-        let lines = text.split_inclusive(|byte| *byte == b'\n').rev().filter(|line| line.ends_with(b"\n"));
-        for entry in lines.filter_map(|line| serde_json::from_slice::<Entry>(line).ok()) {
+        let known = whole_lines(&text).map(hash).collect();
+        for entry in whole_lines(&text).rev().filter_map(|line| serde_json::from_slice::<Entry>(line).ok()) {
             rows.entry(entry.row.item.clone()).or_default().push(entry);
         }
         if let Ok(batch) = serde_json::from_slice::<Batch>(&bytes(finished)?) {
@@ -67,13 +74,29 @@ impl Earlier {
                 rows.entry(row.item.clone()).or_default().push(Entry { settings_sha256, reports, row });
             }
         }
-        Ok(Self(rows))
+        Ok(Self { rows, lines: known })
     }
 
     /// The rows of an item, the youngest first.
     pub(crate) fn of(&self, item: &str) -> &[Entry] {
-        self.0.get(item).map_or(&[], Vec::as_slice)
+        self.rows.get(item).map_or(&[], Vec::as_slice)
     }
+}
+
+fn whole_lines(text: &[u8]) -> impl DoubleEndedIterator<Item = &[u8]> {
+    text.split_inclusive(|byte| *byte == b'\n').filter(|line| line.ends_with(b"\n"))
+}
+
+fn hash(line: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    line.hash(&mut hasher);
+    hasher.finish()
+}
+
+fn line(entry: &Entry) -> Result<Vec<u8>> {
+    let mut line = serde_json::to_vec(entry)?;
+    line.push(b'\n');
+    Ok(line)
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {
@@ -83,37 +106,67 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
     }
 }
 
-/// A journal that is written to.
+/// A journal that is written to, perhaps by another run of the program at the same time.
 #[derive(Debug)]
 pub(crate) struct Journal {
     path: PathBuf,
-    file: File,
+    /// None before the first line.
+    file: Option<File>,
     synced: Instant,
+    /// Hashes of the lines that were there before or are of this run.
+    known: HashSet<u64>,
 }
 
 impl Journal {
-    /// Opens the journal behind its last whole line.
-    pub(crate) fn open(path: &Path) -> Result<Self> {
-        let unwritable = || format!("{} cannot be written", path.display());
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
-        let mut file = file.with_context(unwritable)?;
-        let mut text = Vec::new();
-        file.read_to_end(&mut text).with_context(unwritable)?;
-        let whole = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1) as u64;
-        file.set_len(whole).and_then(|()| file.seek(SeekFrom::Start(whole))).with_context(unwritable)?;
-        Ok(Self { path: path.to_owned(), file, synced: Instant::now() })
+    /// The journal behind what is known of it.
+    pub(crate) fn new(path: &Path, earlier: &Earlier) -> Self {
+        Self { path: path.to_owned(), file: None, synced: Instant::now(), known: earlier.lines.clone() }
     }
 
     /// Appends a line; whoever ends this program from now on leaves it there.
     pub(crate) fn append(&mut self, entry: &Entry) -> Result<()> {
-        let mut line = serde_json::to_vec(entry)?;
-        line.push(b'\n');
-        let mut written = self.file.write_all(&line);
+        let line = line(entry)?;
+        self.known.insert(hash(&line));
+        self.write(&line).with_context(|| format!("{} cannot be written", self.path.display()))
+    }
+
+    fn write(&mut self, line: &[u8]) -> std::io::Result<()> {
+        if self.file.is_none() {
+            let mut file = OpenOptions::new().append(true).create(true).open(&self.path)?;
+            // A line that was cut off is ended, not taken away: it may be one that another run is about to end.
+            if std::fs::read(&self.path)?.last().is_some_and(|byte| *byte != b'\n') {
+                file.write_all(b"\n")?;
+            }
+            self.file = Some(file);
+        }
+        let Some(file) = &mut self.file else { return Ok(()) };
+        file.write_all(line)?;
         if self.synced.elapsed() > BETWEEN_SYNCS {
-            written = written.and_then(|()| self.file.sync_data());
+            file.sync_data()?;
             self.synced = Instant::now();
         }
-        written.with_context(|| format!("{} cannot be written", self.path.display()))
+        Ok(())
+    }
+
+    /// Leaves what is to be kept, the oldest first, and nothing else; no file if that is nothing. Rows of another
+    /// run, which writes at the same time, stay: their number is returned.
+    pub(crate) fn finish(mut self, kept: &[Entry]) -> Result<usize> {
+        let text = bytes(&self.path)?;
+        let is_foreign =
+            |line: &&[u8]| !self.known.contains(&hash(line)) && serde_json::from_slice::<Entry>(line).is_ok();
+        let foreign = whole_lines(&text).filter(is_foreign).count();
+        let kept = kept.iter().map(line).collect::<Result<Vec<Vec<u8>>>>()?;
+        if foreign > 0 {
+            let there: HashSet<u64> = whole_lines(&text).map(hash).collect();
+            for line in kept.iter().filter(|line| !there.contains(&hash(line))) {
+                self.write(line).with_context(|| format!("{} cannot be written", self.path.display()))?;
+            }
+        } else if kept.is_empty() {
+            let _ = std::fs::remove_file(&self.path);
+        } else {
+            output::write(&self.path, &kept.concat())?;
+        }
+        Ok(foreign)
     }
 }
 
@@ -122,27 +175,55 @@ mod tests {
     use super::*;
 
     fn entry(item: &str, settings: &str) -> Entry {
-        let row = BatchRow { item: item.to_owned(), place: None, sha256: None, fit: None, error: None };
+        let row =
+            BatchRow { item: item.to_owned(), place: None, sha256: None, report_sha256: None, fit: None, error: None };
         Entry { settings_sha256: settings.to_owned(), reports: Reports::None, row }
     }
 
     #[test]
-    fn a_line_that_was_cut_off_is_dropped_and_written_over() {
+    fn a_line_that_was_cut_off_is_left_out() {
         let folder = tempfile::TempDir::new().unwrap();
         let (path, none) = (folder.path().join("journal"), folder.path().join("none"));
-        let mut journal = Journal::open(&path).unwrap();
+        let mut journal = Journal::new(&path, &Earlier::default());
         journal.append(&entry("a", "old")).unwrap();
         journal.append(&entry("b", "old")).unwrap();
         let whole = std::fs::read(&path).unwrap();
         std::fs::write(&path, &whole[..whole.len() - 7]).unwrap();
         let earlier = Earlier::read(&path, &none).unwrap();
         assert_eq!((earlier.of("a").len(), earlier.of("b").len()), (1, 0));
-        let mut journal = Journal::open(&path).unwrap();
+        let mut journal = Journal::new(&path, &earlier);
         journal.append(&entry("a", "new")).unwrap();
         let earlier = Earlier::read(&path, &none).unwrap();
         let settings: Vec<&str> = earlier.of("a").iter().map(|entry| entry.settings_sha256.as_str()).collect();
         assert_eq!(settings, ["new", "old"], "the youngest first");
         assert!(std::fs::read(&path).unwrap().starts_with(&whole[..whole.len() / 2]));
+    }
+
+    #[test]
+    fn a_journal_ends_with_what_is_kept_and_with_what_another_run_wrote() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let (path, none) = (folder.path().join("journal"), folder.path().join("none"));
+        let written = |items: &[&str], earlier: &Earlier| {
+            let mut journal = Journal::new(&path, earlier);
+            items.iter().for_each(|item| journal.append(&entry(item, "s")).unwrap());
+            journal
+        };
+        // Known and own rows go.
+        written(&["a"], &Earlier::default());
+        let journal = written(&["b"], &Earlier::read(&path, &none).unwrap());
+        assert_eq!(journal.finish(&[]).unwrap(), 0);
+        assert!(!path.exists());
+        // What is kept stays alone.
+        assert_eq!(written(&["a", "b"], &Earlier::default()).finish(&[entry("b", "s")]).unwrap(), 0);
+        let left = Earlier::read(&path, &none).unwrap();
+        assert_eq!((left.of("a").len(), left.of("b").len()), (0, 1));
+        // Two runs at once: the first to end leaves the rows of the other.
+        let one = written(&["c"], &left);
+        let other = written(&["d", "e"], &left);
+        assert_eq!(one.finish(&[]).unwrap(), 2);
+        assert_eq!(Earlier::read(&path, &none).unwrap().of("e").len(), 1);
+        assert_eq!(other.finish(&[]).unwrap(), 1, "the row of the first is in no table that the second knows");
+        assert!(Journal::new(&path, &Earlier::read(&path, &none).unwrap()).finish(&[]).is_ok() && !path.exists());
     }
 
     #[test]

@@ -81,8 +81,9 @@ struct Shared {
 /// `by` are not read as data, but for `curve`. The file is gone through once; parts hold their rows as text.
 ///
 /// # Errors
-/// [`Findings`] if the heading line cannot be used, a column of `by` is missing or holds data, a row cannot belong to a part (it
-/// has too few or too many cells, or its cell of `by` is empty or no number where it must be one), or no row is there.
+/// [`Findings`] if the heading line cannot be used, a column of `by` is missing or holds data, a row cannot belong to
+/// a part (it has too few or too many cells, or its cell of `by` is empty or no number where it must be one), or no
+/// row is there.
 ///
 /// ```
 /// use morpho_fit::dataset::{ReadOptions, SplitBy, split_csv};
@@ -104,6 +105,9 @@ pub fn split_csv(bytes: &[u8], options: &ReadOptions, by: &SplitBy) -> Result<Ve
     check_constants(&options.constants, &mut found);
     let mut records = Records::new(source.text, source.delimiter);
     let apart: Vec<String> = by.columns().iter().filter(|name| data_of(name).is_none()).cloned().collect();
+    if options.wide.is_some() {
+        known_columns(&source, by)?;
+    }
     let (mut layout, notes) = match heading_line(&mut records, &apart, options, &source, &mut found) {
         Ok(read) => read,
         Err(finding) => return Err(found.fail(finding)),
@@ -175,6 +179,18 @@ pub fn split_csv(bytes: &[u8], options: &ReadOptions, by: &SplitBy) -> Result<Ve
         Part { name, place, rows, lines, record: None, sha256, shared: Arc::clone(&shared) }
     };
     Ok(parts.into_iter().map(part).collect())
+}
+
+/// An error if a column is missing: other headings of a wide table would be told as what they are not.
+fn known_columns(source: &Text<'_>, by: &SplitBy) -> Result<(), Findings> {
+    let mut records = Records::new(source.text, source.delimiter);
+    let Some(line) = records.next(&mut Collector::default()) else { return Ok(()) };
+    let headings: Vec<String> = records.record.iter().map(|cell| cell.trim().to_owned()).collect();
+    let mut found = Collector::default();
+    for name in by.columns().iter().filter(|name| *name != Quantity::Curve.name() && !headings.contains(name)) {
+        column(&headings, name, line.number, &mut found);
+    }
+    found.finish()
 }
 
 /// The column of a heading that is there once and holds no data.
@@ -278,8 +294,8 @@ impl Part {
         self.place
     }
 
-    /// SHA-256 of the heading line and the rows of the part, each ended by a line feed: of the file that would hold this part
-    /// alone. For a column of a wide table, of the wavelengths and that column.
+    /// SHA-256 of the heading line and the rows of the part, each ended by a line feed: of the file that would hold
+    /// this part alone. For a column of a wide table, of the wavelengths and that column.
     #[must_use]
     pub fn sha256(&self) -> &str {
         &self.sha256

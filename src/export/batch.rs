@@ -2,7 +2,7 @@
 
 use super::ExportError;
 use super::curves::number;
-use crate::inversion::{Estimate, FitOutcome, FitSettings, Parameter, Status, Verdict};
+use crate::inversion::{Estimate, FitOutcome, FitSettings, ModelChoice, Parameter, Standing, Status, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// Schema of `batch.json`.
@@ -58,6 +58,8 @@ impl BatchValues {
 /// The fit of an item in short.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BatchFit {
+    /// The model: `blend`, `hybrid` or `paper`; where it was chosen, the name of the variant that was kept.
+    pub model: String,
     /// How it ended.
     pub verdict: Verdict,
     /// Sum of squared residuals, in units of sigma² where the data state one.
@@ -80,7 +82,9 @@ impl BatchFit {
             status: estimate.status,
         };
         let (parameters, derived) = (&outcome.parameters, &outcome.derived);
+        let kept = outcome.choice.iter().flat_map(|choice| &choice.variants).find(|v| v.standing == Standing::Kept);
         Self {
+            model: kept.map_or_else(|| name(outcome.settings.model).to_owned(), |variant| variant.name.clone()),
             verdict: outcome.verdict,
             chi2: outcome.chi2,
             dof: outcome.dof,
@@ -108,6 +112,9 @@ pub struct BatchRow {
     pub place: Option<[f64; 2]>,
     /// SHA-256 of its data, hexadecimal; none if they could not be read.
     pub sha256: Option<String>,
+    /// SHA-256 of the `fit.json` in its folder, hexadecimal; none if it was given no folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report_sha256: Option<String>,
     /// Its fit; none if there is an error.
     pub fit: Option<BatchFit>,
     /// Why there is no fit.
@@ -161,6 +168,9 @@ pub struct Batch {
     pub settings_sha256: String,
     /// Every choice of the fits, inside units (nm, rad).
     pub settings: FitSettings,
+    /// Models whose variants were compared with those of the settings' own; none where no model was chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<Vec<ModelChoice>>,
     /// Seed of the random starts.
     pub seed: u64,
     /// Columns by which the rows of the file are told apart; empty where each file is an item.
@@ -183,8 +193,9 @@ pub fn batch_json(batch: &Batch) -> Result<Vec<u8>, ExportError> {
     Ok(bytes)
 }
 
-/// A row an item: `item`, or both columns of the map under their own names; `verdict`, `chi2`, `dof`; value, standard deviation and
-/// status of each quantity (`d_air_nm`, `d_air_sigma_nm`, `d_air_status`, …); `warnings`, joined by `; `; `sha256` of the data; `error`.
+/// A row an item: `item`, or both columns of the map under their own names; `model`, `verdict`, `chi2`, `dof`; value,
+/// standard deviation and status of each quantity (`d_air_nm`, `d_air_sigma_nm`, `d_air_status`, …); `warnings`,
+/// joined by `; `; `sha256` of the data; `error`.
 ///
 /// Cells are empty where there is no value. Numbers are the shortest text with the same bits.
 ///
@@ -197,7 +208,7 @@ pub fn batch_csv(batch: &Batch) -> Result<Vec<u8>, ExportError> {
         _ => None,
     };
     let mut headings: Vec<String> = place.clone().map_or_else(|| vec!["item".to_owned()], Vec::from);
-    headings.extend(["verdict", "chi2", "dof"].map(str::to_owned));
+    headings.extend(["model", "verdict", "chi2", "dof"].map(str::to_owned));
     for (name, unit, _) in nothing().each() {
         headings.extend([format!("{name}_{unit}"), format!("{name}_sigma_{unit}"), format!("{name}_status")]);
     }
@@ -211,7 +222,7 @@ pub fn batch_csv(batch: &Batch) -> Result<Vec<u8>, ExportError> {
         };
         match &row.fit {
             Some(fit) => {
-                cells.extend([word(&fit.verdict)?, number(fit.chi2), fit.dof.to_string()]);
+                cells.extend([fit.model.clone(), word(&fit.verdict)?, number(fit.chi2), fit.dof.to_string()]);
                 for (_, _, found) in fit.values.each() {
                     let text = |value: Option<f64>| value.map(number).unwrap_or_default();
                     cells.extend([text(found.value), text(found.sigma), word(&found.status)?]);
@@ -224,6 +235,15 @@ pub fn batch_csv(batch: &Batch) -> Result<Vec<u8>, ExportError> {
         writer.write_record(&cells)?;
     }
     writer.into_inner().map_err(|error| csv::Error::from(error.into_error()).into())
+}
+
+/// The name of a model in `fit.json`.
+fn name(model: ModelChoice) -> &'static str {
+    match model {
+        ModelChoice::Blend => "blend",
+        ModelChoice::Hybrid { .. } => "hybrid",
+        ModelChoice::Paper { .. } => "paper",
+    }
 }
 
 /// The word that JSON has for it.
@@ -251,6 +271,7 @@ mod tests {
 
     fn batch(by: &[&str]) -> Batch {
         let fit = BatchFit {
+            model: "blend + tilt".to_owned(),
             verdict: Verdict::PartlyDetermined,
             chi2: 12.5,
             dof: 9,
@@ -264,6 +285,7 @@ mod tests {
             item: "a,b".to_owned(),
             place: Some([1.0, -2.5]),
             sha256: Some("00ff".to_owned()),
+            report_sha256: None,
             fit: Some(fit),
             error: None,
         };
@@ -275,6 +297,7 @@ mod tests {
             program: "p".to_owned(),
             settings_sha256: "s".to_owned(),
             settings: FitSettings::default(),
+            compared: Some(vec![ModelChoice::Hybrid { ridge_spacing: 750.0 }]),
             seed: 1,
             by: by.iter().map(|name| (*name).to_owned()).collect(),
             reports: "none".to_owned(),
@@ -291,18 +314,32 @@ mod tests {
             let mut reader = csv::Reader::from_reader(bytes.as_slice());
             let headings = reader.headers().unwrap().clone();
             let mut expected = first.clone();
-            expected.extend(["verdict", "chi2", "dof", "d_air_nm", "d_air_sigma_nm", "d_air_status", "d_cuticle_nm"]);
+            expected.extend(["model", "verdict", "chi2", "dof", "d_air_nm", "d_air_sigma_nm", "d_air_status"]);
             assert_eq!(headings.iter().take(expected.len()).collect::<Vec<_>>(), expected);
             assert_eq!(headings.iter().rev().take(3).collect::<Vec<_>>(), ["error", "sha256", "warnings"]);
-            assert_eq!(headings.len(), first.len() + 3 + 21 + 3);
+            assert_eq!(headings.len(), first.len() + 4 + 21 + 3);
             let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
             let cell = |row: usize, name: &str| &rows[row][headings.iter().position(|head| head == name).unwrap()];
             assert_eq!((cell(0, "d_air_nm"), cell(0, "d_air_sigma_nm")), ("0.1", "2e-7"));
             assert_eq!((cell(0, "d_air_status"), cell(0, "verdict")), ("ambiguous", "partly_determined"));
+            assert_eq!((cell(0, "model"), cell(1, "model")), ("blend + tilt", ""));
             assert_eq!((cell(0, "delta_deg"), cell(0, "delta_status")), ("", "not_identifiable"));
             assert_eq!((cell(0, "warnings"), cell(1, "error")), ("one, two; three", "no \"data\""));
             assert_eq!((cell(1, "verdict"), cell(1, "sha256")), ("", ""));
             assert_eq!(cell(0, first[0]), if first.len() == 2 { "1" } else { "a,b" });
+        }
+    }
+
+    #[test]
+    fn a_model_has_the_name_of_its_json() {
+        let hybrid = ModelChoice::Hybrid { ridge_spacing: 750.0 };
+        let paper = ModelChoice::Paper {
+            snell: Default::default(),
+            admittance: Default::default(),
+            lamella_unit: Default::default(),
+        };
+        for model in [ModelChoice::Blend, hybrid, paper] {
+            assert_eq!(serde_json::to_value(model).unwrap()["name"], name(model));
         }
     }
 

@@ -1,17 +1,17 @@
 //! The charts of many fits: values with their error bars item by item, or a map of pixels.
 
-use super::atlas::edges_around;
+mod grid;
+
+pub use grid::MapError;
+
 use super::{Figure, HeatMap, Panel, PlotError, PointSeries, check};
+use grid::grid;
 
 const CHART: &str = "batch";
 /// Items of a chart at most; more error bars cannot be told from each other.
 pub const ITEMS: usize = 200;
 /// Cells of a map at most; more make the SVG too large to open.
 pub const CELLS: usize = 65_536;
-/// Coordinates nearer than this part of their range are one.
-const SAME: f64 = 1e-6;
-/// Neighbours farther apart than so many steps have empty cells between them.
-const NEIGHBOURS: f64 = 1.5;
 /// The longer and the shorter side of a map, picture units.
 const LONG_SIDE: f64 = 330.0;
 const SHORT_SIDE: f64 = 150.0;
@@ -47,15 +47,15 @@ impl BatchQuantity {
 
 /// A panel for each quantity: the value of each item with its standard deviation, over the number of the item.
 ///
-/// An item without a value is left out, and the heading of the panel says how many there are. Names are listed below the title
-/// where there is room.
+/// An item without a value is left out, and the heading of the panel says how many there are. Names are listed below
+/// the title where there is room.
 ///
 /// # Shape
 /// `names: [items]`; `values` and `sigma` of each quantity likewise.
 ///
 /// # Errors
-/// [`PlotError::Count`] for no item or more than [`ITEMS`], [`PlotError::Unequal`] if a quantity has another number of values;
-/// [`PlotError::NoPanels`], on drawing, without a quantity.
+/// [`PlotError::Count`] for no item or more than [`ITEMS`], [`PlotError::Unequal`] if a quantity has another number of
+/// values; [`PlotError::NoPanels`], on drawing, without a quantity.
 ///
 /// ```
 /// use morpho_fit::plot::{batch::{BatchQuantity, items_figure}, draw};
@@ -100,10 +100,12 @@ pub fn items_figure(title: &str, names: &[String], quantities: &[BatchQuantity])
     Ok(Figure { title: title.to_owned(), subtitle, panels, columns: Some(COLUMNS), plot_size: None })
 }
 
-/// A map for each quantity, with a colour bar; a pixel without a value is empty, and the heading says how many have one.
+/// A map for each quantity, with a colour bar; a pixel without a value is empty, and the heading says how many have
+/// one.
 ///
-/// Pixels are as wide and high as the smallest step between their coordinates; where a row or column of the grid is missing
-/// the map is empty.
+/// Coordinates nearer to each other than a tenth of a step are one column or row, as those of a stage that misses its
+/// place by a little; a cell is bounded half-way to its neighbours, and where a column or row is missing the map is
+/// empty. Two places are never drawn as one.
 ///
 /// - `labels`: names of the two coordinates.
 /// - `places`: coordinates of each pixel, all different.
@@ -112,8 +114,10 @@ pub fn items_figure(title: &str, names: &[String], quantities: &[BatchQuantity])
 /// `places: [pixels]`; `values` of each quantity likewise.
 ///
 /// # Errors
-/// [`PlotError::Count`] for no pixel, or a grid of more than [`CELLS`]; [`PlotError::Unequal`] if a quantity has another number of
-/// values; [`PlotError::Unusable`] if a coordinate is not finite; [`PlotError::NoPanels`], on drawing, without a quantity.
+/// [`MapError::Sparse`], [`MapError::Shared`] or [`MapError::Uneven`] if the places are no grid. As
+/// [`MapError::Plot`]: [`PlotError::Count`] for no pixel, or a grid of more than [`CELLS`]; [`PlotError::Unequal`] if
+/// a quantity has another number of values; [`PlotError::Unusable`] if a coordinate is not finite or too large;
+/// [`PlotError::NoPanels`], on drawing, without a quantity.
 ///
 /// ```
 /// use morpho_fit::plot::{batch::{BatchQuantity, maps_figure}, draw};
@@ -123,29 +127,28 @@ pub fn items_figure(title: &str, names: &[String], quantities: &[BatchQuantity])
 /// let places = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
 /// let picture = draw(&maps_figure("a wing", ["x", "y"], &places, &[d_air])?)?;
 /// assert!(picture.svg.contains("d_air / nm: 2 of 3 pixels"));
-/// # Ok::<(), morpho_fit::plot::PlotError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn maps_figure(
     title: &str,
     labels: [&str; 2],
     places: &[[f64; 2]],
     quantities: &[BatchQuantity],
-) -> Result<Figure, PlotError> {
+) -> Result<Figure, MapError> {
     check::count(CHART, "pixels", (1, CELLS), places.len())?;
     let side = |axis: usize| places.iter().map(|place| place[axis]).collect::<Vec<f64>>();
     let [across, upwards] = [side(0), side(1)];
     check::drawable(CHART, labels[0], &across)?;
     check::drawable(CHART, labels[1], &upwards)?;
-    let (x, y) = (Grid::of(&across), Grid::of(&upwards));
+    let (x, y) = grid(labels, [&across, &upwards], places)?;
     check::count(CHART, "cells of the map", (1, CELLS), x.cells().saturating_mul(y.cells()))?;
-    let cells: Vec<Option<usize>> =
-        places.iter().map(|place| Some(y.cell(place[1])? * x.cells() + x.cell(place[0])?)).collect();
+    let cells: Vec<usize> = places.iter().map(|place| y.cell(place[1]) * x.cells() + x.cell(place[0])).collect();
     let mut panels = Vec::with_capacity(quantities.len());
     for quantity in quantities {
         lengths(quantity, places.len())?;
         let mut values = vec![f64::NAN; x.cells() * y.cells()];
-        for (cell, value) in cells.iter().zip(quantity.numbers()) {
-            if let Some(place) = cell.and_then(|cell| values.get_mut(cell)) {
+        for (&cell, value) in cells.iter().zip(quantity.numbers()) {
+            if let Some(place) = values.get_mut(cell) {
                 *place = value;
             }
         }
@@ -184,58 +187,6 @@ fn sides(x: f64, y: f64) -> (f64, f64) {
     (side(x, y), side(y, x))
 }
 
-/// Cells along one side of a map.
-#[derive(Debug, PartialEq)]
-struct Grid {
-    edges: Vec<f64>,
-}
-
-impl Grid {
-    /// Cells about these coordinates, in any order.
-    fn of(coordinates: &[f64]) -> Self {
-        let mut sorted = coordinates.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let range = sorted.last().zip(sorted.first()).map_or(0.0, |(last, first)| last - first);
-        sorted.dedup_by(|next, kept| *next - *kept <= SAME * range);
-        let step = sorted.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        let [only] = sorted.as_slice() else {
-            // Between cells that are no neighbours an empty one stands.
-            let mut middles = Vec::new();
-            let mut edges = Vec::new();
-            for &value in &sorted {
-                if middles.last().is_some_and(|last| value - last > NEIGHBOURS * step) {
-                    edges.extend(around(&middles, step));
-                    middles.clear();
-                }
-                middles.push(value);
-            }
-            edges.extend(around(&middles, step));
-            return Self { edges };
-        };
-        Self { edges: around(&[*only], 1.0) }
-    }
-
-    fn cells(&self) -> usize {
-        self.edges.len().saturating_sub(1)
-    }
-
-    fn cell(&self, coordinate: f64) -> Option<usize> {
-        self.edges.windows(2).position(|ends| ends[0] <= coordinate && coordinate < ends[1])
-    }
-
-    fn length(&self) -> f64 {
-        self.edges.last().zip(self.edges.first()).map_or(1.0, |(last, first)| last - first)
-    }
-}
-
-/// Ends of cells that touch, about these middles.
-fn around(middles: &[f64], step: f64) -> Vec<f64> {
-    match middles {
-        [only] => vec![only - 0.5 * step, only + 0.5 * step],
-        more => edges_around(more),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,16 +194,6 @@ mod tests {
 
     fn quantity(values: &[Option<f64>]) -> BatchQuantity {
         BatchQuantity { name: "d_air / nm".into(), values: values.to_vec(), sigma: vec![1.0; values.len()] }
-    }
-
-    #[test]
-    fn cells_lie_about_their_coordinates_and_leave_gaps_open() {
-        let grid = Grid::of(&[2.0, 0.0, 1.0, 5.0, 1.0]);
-        assert_eq!(grid.edges, [-0.5, 0.5, 1.5, 2.5, 4.5, 5.5]);
-        assert_eq!([0.0, 1.0, 2.0, 5.0].map(|x| grid.cell(x)), [Some(0), Some(1), Some(2), Some(4)]);
-        assert_eq!(Grid::of(&[7.0, 7.0]).edges, [6.5, 7.5]);
-        // Steps that rounding makes differ are one step.
-        assert_eq!(Grid::of(&[0.1, 0.2, 0.1 + 0.2, 0.3]).cells(), 3);
     }
 
     #[test]
@@ -282,11 +223,14 @@ mod tests {
         let names = vec!["a".to_owned(); ITEMS + 1];
         assert!(matches!(items_figure("", &names, &[]), Err(PlotError::Count { found: 201, .. })));
         assert!(matches!(items_figure("", &names[..2], &[quantity(&[None])]), Err(PlotError::Unequal { .. })));
-        let places = [[0.0, f64::NAN]];
-        assert!(matches!(maps_figure("", ["x", "y"], &places, &[]), Err(PlotError::Unusable { .. })));
-        // A diagonal of a thousand pixels spans a million cells.
-        let places: Vec<[f64; 2]> = (0..1000).map(|x| [f64::from(x); 2]).collect();
-        assert!(matches!(maps_figure("", ["x", "y"], &places, &[]), Err(PlotError::Count { .. })));
+        for wrong in [f64::NAN, 1e308] {
+            let found = maps_figure("", ["x", "y"], &[[0.0, wrong]], &[]);
+            assert!(matches!(found, Err(MapError::Plot(PlotError::Unusable { .. }))), "{found:?}");
+        }
+        let crowd: Vec<[f64; 2]> =
+            (0..257 * 256).map(|pixel| [f64::from(pixel % 257), f64::from(pixel / 257)]).collect();
+        let found = maps_figure("", ["x", "y"], &crowd, &[]);
+        assert!(matches!(found, Err(MapError::Plot(PlotError::Count { .. }))), "{found:?}");
         let nothing = quantity(&[None, None]);
         let figure = items_figure("", &names[..2], &[nothing]).unwrap();
         assert!(draw(&figure).unwrap().svg.contains("no finite values"));

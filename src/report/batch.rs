@@ -119,14 +119,17 @@ mod tests {
             period: ok(203.0),
             optical_sum: ok(237.7),
         };
-        let fit = BatchFit { verdict: Verdict::PartlyDetermined, chi2: 1.0, dof: 1, values, warnings: Vec::new() };
-        let row = BatchRow { item: "left".into(), place: None, sha256: None, fit: Some(fit), error: None };
+        let (verdict, warnings) = (Verdict::PartlyDetermined, Vec::new());
+        let fit = BatchFit { model: "blend".into(), verdict, chi2: 1.0, dof: 1, values, warnings };
+        let (item, fit) = ("left".into(), Some(fit));
+        let row = BatchRow { item, place: None, sha256: None, report_sha256: None, fit, error: None };
         let items = vec![row; SHOWN + 2];
         let batch = Batch {
             schema: BATCH_SCHEMA.into(),
             program: String::new(),
             settings_sha256: String::new(),
             settings: FitSettings::default(),
+            compared: None,
             seed: 1,
             by: Vec::new(),
             reports: "none".into(),

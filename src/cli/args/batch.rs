@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(crate) struct BatchArgs {
-    /// The measurements as CSV, in the form that `fit` reads: each file is an item, named by its file without the ending. With
-    /// `--by` one file with many items in it; `-` reads standard input.
+    /// The measurements as CSV, in the form that `fit` reads: each file is an item, named by its file without the
+    /// ending. With `--by` one file with many items in it; `-` reads standard input.
     #[arg(value_name = "DATA.csv", required = true)]
     pub(crate) data: Vec<PathBuf>,
     /// Take flags from a TOML file: the names of the flags without the dashes, such as `omega = 90`,
@@ -33,9 +33,10 @@ pub(crate) struct BatchArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Items")]
 pub(crate) struct ItemArgs {
-    /// Split the file: each text in this column is an item of its own, in the order of the file. `curve` is the column of that
-    /// name, or with `--wide curve` the headings. Two columns of numbers, such as `x,y`, are the pixels of a map. The columns are
-    /// not read as data otherwise.
+    /// Split the file: each text in this column is an item of its own, in the order of the file. `curve` is the
+    /// column of that name, or with `--wide curve` the headings. Two columns of numbers, such as `x,y`, are the
+    /// pixels of a map. The columns are not read as data otherwise. Names are those of the heading line to the
+    /// letter.
     #[arg(long, value_name = "COLUMN[,COLUMN]", value_delimiter = ',')]
     pub(crate) by: Vec<String>,
 }
@@ -43,8 +44,8 @@ pub(crate) struct ItemArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct BatchOutputArgs {
-    /// Folder of the results, made if it is missing [default: fits/batch, of one file fits/<name of the data>/batch]. What was
-    /// done there by the same command is not done again.
+    /// Folder of the results, made if it is missing [default: fits/batch, of one file fits/<name of the data>/batch].
+    /// What was done there by the same command is not done again.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Write for each item what a fit of it alone leaves, charts and report.html included, into a folder of its name.
@@ -56,7 +57,7 @@ pub(crate) struct BatchOutputArgs {
     /// Print no report and no progress.
     #[arg(long)]
     pub(crate) quiet: bool,
-    /// Draw no plots.
+    /// Draw no plots: neither items.svg and .png, nor map.svg and .png of `--by x,y`, nor those of `--reports`.
     #[arg(long)]
     pub(crate) no_plots: bool,
 }

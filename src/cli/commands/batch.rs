@@ -3,11 +3,11 @@
 mod charts;
 mod ending;
 
-use self::charts::figure;
-use self::ending::{code, ended};
+use self::charts::charts;
+use self::ending::{code, ended, first_lines, one_line};
 use crate::args::{BatchArgs, BatchOutputArgs, ProblemArgs, ReadingArgs, UncertaintyArgs, UncertaintyWord};
-use crate::commands::fit::{Wanted, found, work};
-use crate::commands::{chart_files, drawn, refuse_to_replace};
+use crate::commands::fit::{Wanted, found, is_left, take_away, work};
+use crate::commands::refuse_to_replace;
 use crate::exit::{Outcome, Usage, code_of};
 use crate::items::{self, Item, folder_names};
 use crate::journal::{Earlier, Entry, Journal, Reports};
@@ -21,7 +21,6 @@ use morpho_fit::inversion::Fitter;
 use morpho_fit::report::{batch, terminal};
 use serde_json::json;
 use std::collections::HashSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -34,8 +33,8 @@ const JOURNAL: &str = "batch.journal";
 /// Charts, each with the ends .svg and .png.
 const PICTURES: [&str; 2] = ["items", "map"];
 const PROGRAM: &str = concat!("morpho-fit ", env!("CARGO_PKG_VERSION"));
-/// Items with an error that are told at once, and lines of each.
-const TOLD: (usize, usize) = (5, 3);
+/// Items with an error that are told at once.
+const TOLD: usize = 5;
 
 /// Everything that the fit of an item needs.
 struct Work<'a> {
@@ -47,7 +46,7 @@ struct Work<'a> {
     items: &'a [Item],
     /// None where no item can be fitted so: each says why.
     fitter: Option<Fitter>,
-    /// The folder of each item below the folder of the results.
+    /// The folder of each item below the folder of the results; none without reports.
     folders: Vec<String>,
 }
 
@@ -56,6 +55,16 @@ struct Done {
     row: BatchRow,
     /// The exit code that it alone would have.
     code: u8,
+    /// What its folder holds at least.
+    reports: Reports,
+}
+
+/// All items, and what is left for another run.
+struct Rows {
+    done: Vec<Done>,
+    journal: Journal,
+    /// Earlier rows of items that cannot be read now, the oldest first.
+    kept: Vec<Entry>,
 }
 
 pub(crate) fn run(args: BatchArgs) -> Result<Outcome> {
@@ -83,30 +92,39 @@ pub(crate) fn run(args: BatchArgs) -> Result<Outcome> {
         reading: &problem.reading,
         uncertainty: &uncertainty,
         reports,
-        folders: folder_names(&items, &taken),
+        folders: if reports == Reports::None { Vec::new() } else { folder_names(&items, &taken) },
         folder: &folder,
         items: &items,
         fitter: Fitter::new(choices.settings.clone()).ok(),
     };
-    let settings_sha256 = identity(&choices, &problem, &columns.by, reports, &uncertainty)?;
-    let rows = work
+    let names: Vec<String> = columns.by.iter().map(|name| name.trim().to_owned()).collect();
+    let settings_sha256 = identity(&choices, &problem, &names, reports, &uncertainty)?;
+    let Rows { done, journal, kept } = work
         .refuse_to_replace(&taken, &data)
         .and_then(|()| work.rows(&settings_sha256, output.quiet))
         .inspect_err(|_| folder.abandon())?;
-    let (rows, codes): (Vec<BatchRow>, Vec<u8>) = rows.into_iter().map(|done| (done.row, done.code)).unzip();
-    let by: Vec<String> = by.iter().flat_map(|_| columns.by.iter().map(|name| name.trim().to_owned())).collect();
+    // Folders that are there already hold more than this run would have made.
+    let reports = done.iter().filter(|done| done.row.fit.is_some()).map(|done| done.reports).min().unwrap_or(reports);
+    let (rows, codes): (Vec<BatchRow>, Vec<u8>) = done.into_iter().map(|done| (done.row, done.code)).unzip();
     let batch = Batch {
         schema: BATCH_SCHEMA.to_owned(),
         program: PROGRAM.to_owned(),
         settings_sha256,
         seed: choices.settings.seed,
         settings: choices.settings.clone(),
-        by,
+        compared: choices.beside.clone(),
+        by: names,
         reports: reports.word().to_owned(),
         counts: BatchCounts::of(&rows),
         items: rows,
     };
     let names = write(&batch, &folder, !output.no_plots)?;
+    let foreign = journal.finish(&kept)?;
+    for (count, of) in [(foreign, "another run"), (kept.len(), "items that cannot be read now")] {
+        if count > 0 && !output.quiet {
+            output::complain(&format!("{JOURNAL} keeps rows of {of}: {count}"));
+        }
+    }
     if output.json {
         output::print(&batch_json(&batch)?)?;
     } else if !output.quiet {
@@ -182,12 +200,12 @@ impl Work<'_> {
     }
 
     /// The rows of all items, in their order: those that are there already, and the others fitted.
-    fn rows(&self, settings_sha256: &str, quiet: bool) -> Result<Vec<Done>> {
-        let journal = self.folder.path().join(JOURNAL);
-        let earlier = Earlier::read(&journal, &self.folder.path().join(WHOLE))?;
+    fn rows(&self, settings_sha256: &str, quiet: bool) -> Result<Rows> {
+        let path = self.folder.path().join(JOURNAL);
+        let earlier = Earlier::read(&path, &self.folder.path().join(WHOLE))?;
         let mut done: Vec<Option<Done>> = Vec::with_capacity(self.items.len());
-        let (mut other, mut changed) = (0, 0);
-        for (item, folder) in self.items.iter().zip(&self.folders) {
+        let (mut other, mut changed, mut missing) = (0, 0, 0);
+        for (index, item) in self.items.iter().enumerate() {
             let entries = earlier.of(&item.name);
             let sha256 = if entries.is_empty() { None } else { item.sha256() };
             let ours = |entry: &&Entry| entry.settings_sha256 == settings_sha256 && entry.reports >= self.reports;
@@ -195,13 +213,15 @@ impl Work<'_> {
                 let row = &entry.row;
                 sha256.is_some() && row.sha256 == sha256 && row.place == item.place && row.fit.is_some()
             };
-            let there = |_: &&Entry| self.reports == Reports::None || self.has_report(folder, sha256.as_deref());
-            let found = entries.iter().filter(ours).filter(same).find(there);
+            let found = entries.iter().filter(ours).filter(same).find(|entry| self.has_report(index, &entry.row));
             if found.is_none() {
-                changed += usize::from(entries.iter().any(|entry| ours(&entry) && entry.row.sha256 != sha256));
+                let lacks = entries.iter().any(|entry| ours(&entry) && same(&entry));
+                let differs = |entry: &Entry| ours(&entry) && entry.row.sha256 != sha256;
+                missing += usize::from(lacks);
+                changed += usize::from(!lacks && sha256.is_some() && entries.iter().any(differs));
                 other += usize::from(!entries.is_empty() && !entries.iter().any(|entry| ours(&entry)));
             }
-            done.push(found.map(|entry| self.done(item, Ok(entry.row.clone()))));
+            done.push(found.map(|entry| self.done(item, entry.reports, Ok(entry.row.clone()))));
         }
         let open: Vec<usize> = (0..done.len()).filter(|&index| done[index].is_none()).collect();
         if !quiet {
@@ -215,42 +235,54 @@ impl Work<'_> {
                     output::complain(&format!("rows in {place} of {what} are not used: {count}"));
                 }
             }
+            if missing > 0 {
+                output::complain(&format!("folders in {place} that are missing or hold another fit: {missing}"));
+            }
         }
+        let mut journal = Journal::new(&path, &earlier);
         if !open.is_empty() {
-            self.fit(&open, &journal, settings_sha256, quiet, &mut done)?;
+            self.fit(&open, &mut journal, settings_sha256, quiet, &mut done)?;
         }
-        let rows: Vec<Done> = done.into_iter().flatten().collect();
-        if rows.iter().all(|done| done.row.sha256.is_none())
-            && let Some(first) = rows.first()
+        let done: Vec<Done> = done.into_iter().flatten().collect();
+        let unreadable = || done.iter().map(|done| &done.row).filter(|row| row.sha256.is_none());
+        if unreadable().count() == done.len()
+            && let Some(first) = unreadable().next()
         {
-            // Nothing at all could be read: there is no table to write.
-            let _ = fs::remove_file(&journal);
-            let text = first.row.error.clone().unwrap_or_default();
+            // There is no table to write, and what an earlier run left stays as it is.
+            let text = first.error.clone().unwrap_or_default();
             return Err(anyhow!(text));
         }
-        Ok(rows)
+        let finished = |entry: &&Entry| entry.row.fit.is_some();
+        let kept = unreadable().flat_map(|row| earlier.of(&row.item).iter().rev().filter(finished)).cloned().collect();
+        Ok(Rows { done, journal, kept })
     }
 
-    /// Whether the folder holds the fit of these data.
-    fn has_report(&self, folder: &str, sha256: Option<&str>) -> bool {
-        let file = fs::read(self.folder.path().join(folder).join("fit.json")).unwrap_or_default();
-        let fit: serde_json::Value = serde_json::from_slice(&file).unwrap_or_default();
-        sha256.is_some() && fit["data"]["sha256"].as_str() == sha256
+    /// The folder of an item where each has one.
+    fn place_of(&self, index: usize) -> Option<PathBuf> {
+        self.folders.get(index).map(|name| self.folder.path().join(name))
     }
 
-    /// Fits the items that are open, each on one thread where there are as many; each row goes into the journal as it is done.
+    /// Whether the folder of the item holds what the fit of this row left there, if it is to have one.
+    fn has_report(&self, index: usize, row: &BatchRow) -> bool {
+        let Some(folder) = self.place_of(index) else { return true };
+        let plots = self.reports == Reports::WithPlots;
+        row.report_sha256.as_deref().is_some_and(|sha256| is_left(&folder, sha256, plots))
+    }
+
+    /// Fits the items that are open, each on one thread where there are as many; each row goes into the journal as it
+    /// is done.
     fn fit(
         &self,
         open: &[usize],
-        journal: &Path,
+        journal: &mut Journal,
         settings_sha256: &str,
         quiet: bool,
         done: &mut [Option<Done>],
     ) -> Result<()> {
-        let mut journal = Journal::open(journal)?;
         let threads = rayon::current_num_threads();
         let workers = threads.min(open.len()).max(1);
-        // A fit within a pool of its own waits for no other: rayon would begin another item while one waits for its parts.
+        // A fit within a pool of its own waits for no other: rayon would begin another item while one waits for its
+        // parts.
         let pool = || rayon::ThreadPoolBuilder::new().num_threads((threads / workers).max(1)).build();
         let pools = (0..workers).map(|_| pool()).collect::<Result<Vec<_>, _>>();
         let pools = pools.context("the threads cannot be started")?;
@@ -273,8 +305,10 @@ impl Work<'_> {
             for (index, found) in receiver {
                 if let Some(error) = &found.row.error {
                     told += 1;
-                    if told <= TOLD.0 {
+                    if told <= TOLD {
                         count.aside(|| output::complain(&format!("item {}: {}", found.row.item, first_lines(error))));
+                    } else if told == TOLD + 1 {
+                        count.aside(|| output::complain(&format!("and more items with errors: `error` in {TABLE}")));
                     }
                 }
                 let row = BatchRow { error: found.row.error.as_deref().map(one_line), ..found.row };
@@ -293,70 +327,67 @@ impl Work<'_> {
 
     fn one(&self, index: usize) -> Done {
         let item = &self.items[index];
-        let found = self.fitted(item, &self.folders[index]);
-        self.done(item, found)
+        let folder = self.place_of(index);
+        let found = self.fitted(item, folder.as_deref());
+        let done = self.done(item, self.reports, found);
+        // Results of other data beside a row that says there are none; what cannot be read now may come back.
+        if let (None, Some(_), Some(folder)) = (&done.row.fit, &done.row.sha256, &folder) {
+            take_away(folder);
+        }
+        done
     }
 
-    fn fitted(&self, item: &Item, folder: &str) -> Result<BatchRow> {
+    fn fitted(&self, item: &Item, folder: Option<&Path>) -> Result<BatchRow> {
         let (data, sha256) = item.read(self.reading)?;
         let Choices { settings, beside } = self.choices.clone();
         let problem = Problem { file: item.file.clone(), data, settings, beside, sha256 };
-        let outcome = if self.reports == Reports::None {
-            found(&problem, self.fitter.as_ref(), &|_| {})?.outcome
-        } else {
-            let folder = Folder::open(&self.folder.path().join(folder))?;
+        let (outcome, report_sha256) = if let Some(folder) = folder {
+            let folder = Folder::open(folder)?;
             let wanted = Wanted {
                 name: &item.name,
                 uncertainty: self.uncertainty,
                 command: UncertaintyWord::Covariance,
                 plots: self.reports == Reports::WithPlots,
             };
-            work(&problem, &folder, &wanted, &|_| {}).inspect_err(|_| folder.abandon())?.fit.outcome
+            let files = work(&problem, &folder, &wanted, &|_| {}).inspect_err(|_| folder.abandon())?;
+            (files.fit.outcome, Some(hex_sha256(&files.json)))
+        } else {
+            (found(&problem, self.fitter.as_ref(), &|_| {})?.outcome, None)
         };
         let sha256 = Some(outcome.data.sha256.clone());
         Ok(BatchRow {
             item: item.name.clone(),
             place: item.place,
             sha256,
+            report_sha256,
             fit: Some(BatchFit::of(&outcome)),
             error: None,
         })
     }
 
     /// The row with the exit code that it would have.
-    fn done(&self, item: &Item, found: Result<BatchRow>) -> Done {
+    fn done(&self, item: &Item, reports: Reports, found: Result<BatchRow>) -> Done {
         match found {
             Ok(row) => {
                 let code = row.fit.as_ref().map_or(0, |fit| code(fit, &self.choices.settings.required));
-                Done { row, code }
+                Done { row, code, reports }
             }
             Err(error) => {
                 let findings = error.chain().find_map(|cause| cause.downcast_ref::<Findings>());
                 let text = findings.map_or_else(|| format!("{error:#}"), ToString::to_string);
                 let (name, place, sha256) = (item.name.clone(), item.place, item.sha256());
-                let row = BatchRow { item: name, place, sha256, fit: None, error: Some(text) };
-                Done { row, code: code_of(&error) }
+                let row = BatchRow { item: name, place, sha256, report_sha256: None, fit: None, error: Some(text) };
+                Done { row, code: code_of(&error), reports }
             }
         }
     }
 }
 
-fn one_line(text: &str) -> String {
-    text.lines().map(str::trim).collect::<Vec<&str>>().join("; ")
-}
-
-fn first_lines(text: &str) -> String {
-    let lines: Vec<&str> = text.lines().collect();
-    let more = lines.len().saturating_sub(TOLD.1);
-    let shown = lines.iter().take(TOLD.1).copied().collect::<Vec<&str>>().join("\n");
-    if more > 0 { format!("{shown}\nand more: `error` in {TABLE}") } else { shown }
-}
-
-/// Writes table, JSON and charts, and takes the journal away.
+/// Writes table, JSON and charts.
 fn write(batch: &Batch, folder: &Folder, plots: bool) -> Result<Vec<String>> {
     let mut files = vec![(TABLE.to_owned(), batch_csv(batch)?), (WHOLE.to_owned(), batch_json(batch)?)];
-    if plots && let Some((name, figure)) = figure(batch)? {
-        files.extend(chart_files(&drawn(vec![(name, figure)])?));
+    if plots {
+        files.extend(charts(batch));
     }
     let is_ours = folder.path().join(WHOLE).is_file();
     folder.write(&files)?;
@@ -364,6 +395,5 @@ fn write(batch: &Batch, folder: &Folder, plots: bool) -> Result<Vec<String>> {
     if is_ours {
         folder.remove_stale(&pictures().filter(|name| !names.contains(name)).collect::<Vec<String>>());
     }
-    folder.remove_stale(&[JOURNAL.to_owned()]);
     Ok(names)
 }

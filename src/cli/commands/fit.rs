@@ -4,7 +4,7 @@ use crate::args::{FitArgs, OutputArgs, UncertaintyArgs, UncertaintyWord};
 use crate::commands::intervals::{FILES, Intervals, Methods};
 use crate::commands::{chart_files, drawn, sweep};
 use crate::exit::{Outcome, Usage};
-use crate::options::Problem;
+use crate::options::{Problem, hex_sha256};
 use crate::output::{self, Folder, WIDTH};
 use crate::progress::Progress;
 use anyhow::{Context, Result};
@@ -100,7 +100,8 @@ pub(crate) struct Wanted<'a> {
 /// What was found and written.
 pub(crate) struct Files {
     pub(crate) fit: Fit,
-    json: Vec<u8>,
+    /// What `fit.json` holds.
+    pub(crate) json: Vec<u8>,
     names: Vec<String>,
 }
 
@@ -181,6 +182,23 @@ pub(crate) fn work(
     }
     names.insert(0, "fit.json".to_owned());
     Ok(Files { fit, json, names })
+}
+
+/// Takes away what an earlier fit left in the folder, and the folder if nothing else is in it.
+pub(crate) fn take_away(folder: &Path) {
+    if !folder.join("fit.json").is_file() {
+        return;
+    }
+    let pictures = PICTURES.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
+    let others = FILES.into_iter().chain([PAGE, "curves.csv", "fit.json"]).map(str::to_owned);
+    pictures.chain(others).for_each(|name| drop(fs::remove_file(folder.join(name))));
+    let _ = fs::remove_dir(folder);
+}
+
+/// Whether the folder holds these bytes as `fit.json`, by their hash, and the page where there are plots.
+pub(crate) fn is_left(folder: &Path, sha256: &str, plots: bool) -> bool {
+    let found = fs::read(folder.join("fit.json")).is_ok_and(|bytes| hex_sha256(&bytes) == sha256);
+    found && (!plots || folder.join(PAGE).is_file())
 }
 
 /// The charts that every fit has.

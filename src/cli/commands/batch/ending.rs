@@ -1,11 +1,13 @@
-//! How a batch ends: the code of each item, and of all.
+//! How a batch ends: the code of each item, and of all; errors in words.
 
 use super::TABLE;
 use crate::commands::fit::is_told;
 use crate::exit::Outcome;
 use morpho_fit::export::{Batch, BatchCounts, BatchFit};
 use morpho_fit::inversion::{Parameter, Verdict};
-use morpho_fit::report::wording;
+
+/// Lines of an error that are told at once.
+const LINES: usize = 3;
 
 /// The exit code that a fit alone would have.
 pub(super) fn code(fit: &BatchFit, required: &[Parameter]) -> u8 {
@@ -33,15 +35,31 @@ pub(super) fn ended(batch: &Batch, codes: &[u8]) -> Outcome {
     let Some(code) = codes.iter().copied().filter(|code| *code > 0).min() else { return Outcome::Done };
     let BatchCounts { items, errors, not_converged, no_thickness, .. } = batch.counts;
     let count = |count: usize, what: &str| (count > 0).then(|| format!("{what} in {count} of {items} items"));
-    let fits = || batch.items.iter().filter_map(|row| row.fit.as_ref());
-    let required = &batch.settings.required;
-    let lacking = fits().filter(|fit| unknown(fit, required).next().is_some()).count();
-    let names: Vec<&str> = required.iter().map(|parameter| parameter.name()).collect();
+    // What has no minimum is told as such, whatever was required of it.
+    let fits = batch.items.iter().filter_map(|row| row.fit.as_ref());
+    let minima: Vec<&BatchFit> = fits.filter(|fit| fit.verdict != Verdict::NotConverged).collect();
+    let lacking = batch.settings.required.iter().map(|parameter| {
+        let lacking = minima.iter().filter(|fit| unknown(fit, &[*parameter]).next().is_some()).count();
+        count(lacking, &format!("{parameter} required but not determined"))
+    });
     let parts = [
         count(errors, "an error"),
         count(not_converged, "no minimum"),
         count(no_thickness, "no thickness is determined"),
-        count(lacking, &format!("{} required but not determined", wording::list(&names))),
     ];
-    Outcome::Partly(code, format!("{}; see {TABLE}", parts.into_iter().flatten().collect::<Vec<String>>().join(", ")))
+    let parts: Vec<String> = parts.into_iter().chain(lacking).flatten().collect();
+    Outcome::Partly(code, format!("{}; see {TABLE}", parts.join(", ")))
+}
+
+/// An error as one line.
+pub(super) fn one_line(text: &str) -> String {
+    text.lines().map(str::trim).collect::<Vec<&str>>().join("; ")
+}
+
+/// The first lines of an error, and where the others are.
+pub(super) fn first_lines(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    let more = lines.len().saturating_sub(LINES);
+    let shown = lines.iter().take(LINES).copied().collect::<Vec<&str>>().join("\n");
+    if more > 0 { format!("{shown}\nand more: `error` in {TABLE}") } else { shown }
 }
