@@ -2,7 +2,9 @@
 
 use super::ExportError;
 use super::curves::number;
-use crate::inversion::{Estimate, FitOutcome, FitSettings, ModelChoice, Parameter, Standing, Status, Verdict};
+use crate::inversion::{
+    Estimate, FitOutcome, FitSettings, ModelChoice, Parameter, SigmaSource, Standing, Status, Verdict,
+};
 use serde::{Deserialize, Serialize};
 
 /// Schema of `batch.json`.
@@ -66,6 +68,8 @@ pub struct BatchFit {
     pub chi2: f64,
     /// Degrees of freedom.
     pub dof: usize,
+    /// Where the standard deviations come from; `widened` where the model misses the data.
+    pub sigma_source: SigmaSource,
     /// What it found.
     pub values: BatchValues,
     /// What a reader must know, the most important first.
@@ -73,6 +77,12 @@ pub struct BatchFit {
 }
 
 impl BatchFit {
+    /// Whether the model misses the data.
+    #[must_use]
+    pub fn misses(&self) -> bool {
+        self.sigma_source == SigmaSource::Widened
+    }
+
     /// The outcome of a fit in short.
     #[must_use]
     pub fn of(outcome: &FitOutcome) -> Self {
@@ -88,6 +98,7 @@ impl BatchFit {
             verdict: outcome.verdict,
             chi2: outcome.chi2,
             dof: outcome.dof,
+            sigma_source: outcome.sigma_source,
             values: BatchValues {
                 d_air: short(&parameters.d_air),
                 d_cuticle: short(&parameters.d_cuticle),
@@ -136,6 +147,9 @@ pub struct BatchCounts {
     pub not_converged: usize,
     /// Data that cannot be used, or a fit that could not begin.
     pub errors: usize,
+    /// The model misses the data, however it ended.
+    #[serde(default)]
+    pub missed: usize,
 }
 
 impl BatchCounts {
@@ -152,6 +166,7 @@ impl BatchCounts {
                 Some(Verdict::NotConverged) => &mut counts.not_converged,
             };
             *count += 1;
+            counts.missed += usize::from(row.fit.as_ref().is_some_and(BatchFit::misses));
         }
         counts
     }
@@ -208,7 +223,7 @@ pub fn batch_csv(batch: &Batch) -> Result<Vec<u8>, ExportError> {
         _ => None,
     };
     let mut headings: Vec<String> = place.clone().map_or_else(|| vec!["item".to_owned()], Vec::from);
-    headings.extend(["model", "verdict", "chi2", "dof"].map(str::to_owned));
+    headings.extend(["model", "verdict", "chi2", "dof", "sigma_source"].map(str::to_owned));
     for (name, unit, _) in nothing().each() {
         headings.extend([format!("{name}_{unit}"), format!("{name}_sigma_{unit}"), format!("{name}_status")]);
     }
@@ -223,6 +238,7 @@ pub fn batch_csv(batch: &Batch) -> Result<Vec<u8>, ExportError> {
         match &row.fit {
             Some(fit) => {
                 cells.extend([fit.model.clone(), word(&fit.verdict)?, number(fit.chi2), fit.dof.to_string()]);
+                cells.push(word(&fit.sigma_source)?);
                 for (_, _, found) in fit.values.each() {
                     let text = |value: Option<f64>| value.map(number).unwrap_or_default();
                     cells.extend([text(found.value), text(found.sigma), word(&found.status)?]);
@@ -275,6 +291,7 @@ mod tests {
             verdict: Verdict::PartlyDetermined,
             chi2: 12.5,
             dof: 9,
+            sigma_source: SigmaSource::Stated,
             values: BatchValues {
                 d_air: BatchValue { value: Some(0.1), sigma: Some(2e-7), status: Status::Ambiguous },
                 ..nothing()
@@ -314,10 +331,19 @@ mod tests {
             let mut reader = csv::Reader::from_reader(bytes.as_slice());
             let headings = reader.headers().unwrap().clone();
             let mut expected = first.clone();
-            expected.extend(["model", "verdict", "chi2", "dof", "d_air_nm", "d_air_sigma_nm", "d_air_status"]);
+            expected.extend([
+                "model",
+                "verdict",
+                "chi2",
+                "dof",
+                "sigma_source",
+                "d_air_nm",
+                "d_air_sigma_nm",
+                "d_air_status",
+            ]);
             assert_eq!(headings.iter().take(expected.len()).collect::<Vec<_>>(), expected);
             assert_eq!(headings.iter().rev().take(3).collect::<Vec<_>>(), ["error", "sha256", "warnings"]);
-            assert_eq!(headings.len(), first.len() + 4 + 21 + 3);
+            assert_eq!(headings.len(), first.len() + 5 + 21 + 3);
             let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
             let cell = |row: usize, name: &str| &rows[row][headings.iter().position(|head| head == name).unwrap()];
             assert_eq!((cell(0, "d_air_nm"), cell(0, "d_air_sigma_nm")), ("0.1", "2e-7"));

@@ -17,8 +17,8 @@ const QUANTITIES: [&str; 4] = ["d_air", "d_cuticle", "period", "lamella_width"];
 ///
 /// ```
 /// use morpho_fit::{export::BatchCounts, report::batch::summary};
-/// let counts = BatchCounts { items: 3, determined: 2, errors: 1, ..BatchCounts::default() };
-/// assert_eq!(summary(&counts), "3 items: 2 determined, 1 with an error");
+/// let counts = BatchCounts { items: 3, determined: 2, errors: 1, missed: 1, ..BatchCounts::default() };
+/// assert_eq!(summary(&counts), "3 items: 2 determined, 1 with an error; the model misses the data of 1");
 /// ```
 #[must_use]
 pub fn summary(counts: &BatchCounts) -> String {
@@ -32,7 +32,11 @@ pub fn summary(counts: &BatchCounts) -> String {
     let parts: Vec<String> =
         parts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
     let items = if counts.items == 1 { "item" } else { "items" };
-    format!("{} {items}: {}", counts.items, parts.join(", "))
+    let missed = match counts.missed {
+        0 => String::new(),
+        missed => format!("; the model misses the data of {missed}"),
+    };
+    format!("{} {items}: {}{missed}", counts.items, parts.join(", "))
 }
 
 /// The summary, and a table with the thicknesses of the first items.
@@ -73,15 +77,13 @@ fn cells(row: &BatchRow) -> Vec<String> {
             cells.extend(each.iter().filter(|(name, _, _)| QUANTITIES.contains(name)).map(|(_, _, found)| cell(found)));
             // The order of the columns is that of the values, but for the width, which comes last here.
             cells.swap(3, 4);
-            cells.push(
-                match fit.verdict {
-                    Verdict::Determined => "determined",
-                    Verdict::PartlyDetermined => "in part",
-                    Verdict::NoThickness => "no thickness",
-                    Verdict::NotConverged => "no minimum",
-                }
-                .to_owned(),
-            );
+            let verdict = match fit.verdict {
+                Verdict::Determined => "determined",
+                Verdict::PartlyDetermined => "in part",
+                Verdict::NoThickness => "no thickness",
+                Verdict::NotConverged => "no minimum",
+            };
+            cells.push(if fit.misses() { format!("{verdict}; the model misses") } else { verdict.to_owned() });
         }
     }
     cells
@@ -104,7 +106,7 @@ fn cell(found: &BatchValue) -> String {
 mod tests {
     use super::*;
     use crate::export::{BATCH_SCHEMA, BatchFit, BatchValues};
-    use crate::inversion::FitSettings;
+    use crate::inversion::{FitSettings, SigmaSource};
 
     #[test]
     fn each_item_has_its_values_under_their_headings() {
@@ -120,7 +122,15 @@ mod tests {
             optical_sum: ok(237.7),
         };
         let (verdict, warnings) = (Verdict::PartlyDetermined, Vec::new());
-        let fit = BatchFit { model: "blend".into(), verdict, chi2: 1.0, dof: 1, values, warnings };
+        let fit = BatchFit {
+            model: "blend".into(),
+            verdict,
+            chi2: 1.0,
+            dof: 1,
+            sigma_source: SigmaSource::Widened,
+            values,
+            warnings,
+        };
         let (item, fit) = ("left".into(), Some(fit));
         let row = BatchRow { item, place: None, sha256: None, report_sha256: None, fit, error: None };
         let items = vec![row; SHOWN + 2];
@@ -138,14 +148,14 @@ mod tests {
         };
         let text = text(&batch);
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "26 items: 26 in part");
+        assert_eq!(lines[0], "26 items: 26 in part; the model misses the data of 26");
         let place = |words: &str| lines[2].find(words).unwrap();
         for (heading, cell) in [
             ("d_air", "141.00 ± 0.50"),
             ("d_cuticle", "62.00 ± 0.50 ambiguous"),
             ("period", "203.00 ± 0.50"),
             ("lamella_width", "—"),
-            ("verdict", "in part"),
+            ("verdict", "in part; the model misses"),
         ] {
             let cells: String = lines[3].chars().skip(lines[2][..place(heading)].chars().count()).collect();
             assert!(cells.starts_with(cell), "{heading}: {cells}");

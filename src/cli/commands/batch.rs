@@ -21,6 +21,7 @@ use morpho_fit::inversion::Fitter;
 use morpho_fit::report::{batch, terminal};
 use serde_json::json;
 use std::collections::HashSet;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -30,6 +31,8 @@ use std::time::Instant;
 const TABLE: &str = "batch.csv";
 const WHOLE: &str = "batch.json";
 const JOURNAL: &str = "batch.journal";
+/// The table before, if the new one has not all of its fits.
+const EARLIER: &str = "batch.earlier";
 /// Charts, each with the ends .svg and .png.
 const PICTURES: [&str; 2] = ["items", "map"];
 const PROGRAM: &str = concat!("morpho-fit ", env!("CARGO_PKG_VERSION"));
@@ -383,6 +386,23 @@ impl Work<'_> {
     }
 }
 
+/// The table that is there, under other names, if it has fits of other settings or of items that the new one has not.
+fn set_aside(batch: &Batch, folder: &Folder) -> Vec<(String, Vec<u8>)> {
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap_or_default();
+    let (table, whole) = (bytes(TABLE), bytes(WHOLE));
+    let Ok(old) = serde_json::from_slice::<Batch>(&whole) else { return Vec::new() };
+    let items: HashSet<&str> = batch.items.iter().map(|row| row.item.as_str()).collect();
+    let other = old.settings_sha256 != batch.settings_sha256;
+    let is_lost = |row: &BatchRow| row.fit.is_some() && (other || !items.contains(row.item.as_str()));
+    if !old.items.iter().any(is_lost) {
+        return Vec::new();
+    }
+    output::complain(&format!(
+        "the table that was there has other settings or items; it is kept in {EARLIER}.csv and {EARLIER}.json"
+    ));
+    vec![(format!("{EARLIER}.csv"), table), (format!("{EARLIER}.json"), whole)]
+}
+
 /// Writes table, JSON and charts.
 fn write(batch: &Batch, folder: &Folder, plots: bool) -> Result<Vec<String>> {
     let mut files = vec![(TABLE.to_owned(), batch_csv(batch)?), (WHOLE.to_owned(), batch_json(batch)?)];
@@ -390,6 +410,7 @@ fn write(batch: &Batch, folder: &Folder, plots: bool) -> Result<Vec<String>> {
         files.extend(charts(batch));
     }
     let is_ours = folder.path().join(WHOLE).is_file();
+    files.extend(set_aside(batch, folder));
     folder.write(&files)?;
     let names: Vec<String> = files.into_iter().map(|(name, _)| name).collect();
     if is_ours {
