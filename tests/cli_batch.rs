@@ -276,7 +276,8 @@ fn a_map_shows_its_pixels_and_leaves_out_what_is_not_told() {
     assert_eq!((d_air(&all.items[5]).value, d_air(&all.items[5]).status), (None, Status::NotIdentifiable));
     let csv = fs::read_to_string(folder.path().join("out/batch.csv")).unwrap();
     assert!(
-        csv.starts_with("x,y,model,verdict,chi2,dof,d_air_nm,d_air_sigma_nm,d_air_status,") && csv.contains("\n2,1,,")
+        csv.starts_with("x,y,model,verdict,chi2,dof,sigma_source,d_air_nm,d_air_sigma_nm,d_air_status,")
+            && csv.contains("\n2,1,,")
     );
     // A chart of an earlier run does not stay beside a table without one.
     ends(&folder, &format!("batch map.csv --by x,y {FIT} --out out"), 3);
@@ -362,7 +363,8 @@ fn a_folder_with_another_fit_of_the_same_data_is_made_again() {
     // Data that became useless leave no results of earlier ones beside their error.
     write(&folder, "a.csv", "wavelength_nm,theta_deg,phi_deg,omega_deg,intensity\n450,0,0,90,x\n");
     ends(&folder, &command, 3);
-    assert_eq!(names(&folder.path().join("all")), ["b", "batch.csv", "batch.json"]);
+    let left = ["b", "batch.csv", "batch.earlier.csv", "batch.earlier.json", "batch.json"];
+    assert_eq!(names(&folder.path().join("all")), left);
 }
 
 #[test]
