@@ -13,7 +13,8 @@ use std::sync::{Arc, RwLock};
 /// Fits data sets one after another or side by side, each to the same bits as [`fit`](crate::inversion::fit) does.
 ///
 /// Data sets whose readings have the same wavelengths, angles, polarizations and curves, as the pixels of a map do, share
-/// what the readings see of the model. The last design is kept: where designs take turns each is compiled again, as in a fit by itself.
+/// what the readings see of the model. The last design is kept: where designs take turns each is compiled again, as in a fit
+/// by itself.
 ///
 /// ```
 /// use morpho_fit::inversion::{FitSettings, Fitter};
@@ -166,7 +167,8 @@ mod tests {
         }
     }
 
-    /// With sigma, without and with it again, curves that take turns with scales of their own, a robust loss; many threads at once.
+    /// With sigma, without and with it again, curves that take turns with scales of their own, a robust loss; many threads at
+    /// once.
     #[test]
     fn what_is_shared_is_the_design_alone() {
         let (model, blue) = (BlendModel::default(), Structure::blue());

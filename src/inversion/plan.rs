@@ -293,7 +293,7 @@ impl<'a> Plan<'a> {
         for (reading, &intensity) in self.readings.iter_mut().zip(intensities) {
             reading.intensity = intensity;
         }
-        self.rows.set_intensities(intensities);
+        self.rows.set_readings(&self.readings);
     }
 
     /// Puts intensities and sigmas of readings of the same design in the place of those of the data.

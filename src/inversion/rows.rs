@@ -138,13 +138,6 @@ impl Rows {
         }
     }
 
-    /// Puts other intensities in the place of those of the data.
-    pub(crate) fn set_intensities(&mut self, intensities: &[f64]) {
-        for ((own, weight), intensity) in self.intensities.iter_mut().zip(&self.weights).zip(intensities) {
-            *own = weight * intensity;
-        }
-    }
-
     /// Puts other weights and intensities in the place of those of the data.
     pub(crate) fn set_readings(&mut self, readings: &[PlannedReading]) {
         for ((weight, intensity), reading) in self.weights.iter_mut().zip(&mut self.intensities).zip(readings) {

@@ -89,7 +89,7 @@ pub(crate) fn run(args: BatchArgs) -> Result<Outcome> {
         (Some(_), _) => return Err(Usage("--by splits one file; give one".to_owned()).into()),
     };
     let folder = Folder::open(&place(&output, &data))?;
-    let taken: Vec<String> = pictures().chain([TABLE, WHOLE, JOURNAL].map(str::to_owned)).collect();
+    let taken: Vec<String> = pictures().chain([TABLE, WHOLE, JOURNAL].map(str::to_owned)).chain(earlier()).collect();
     let work = Work {
         choices: &choices,
         reading: &problem.reading,
@@ -386,6 +386,11 @@ impl Work<'_> {
     }
 }
 
+/// Names of the table before and of all of it.
+fn earlier() -> [String; 2] {
+    ["csv", "json"].map(|end| format!("{EARLIER}.{end}"))
+}
+
 /// The table that is there, under other names, if it has fits of other settings or of items that the new one has not.
 fn set_aside(batch: &Batch, folder: &Folder) -> Vec<(String, Vec<u8>)> {
     let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap_or_default();
@@ -400,7 +405,7 @@ fn set_aside(batch: &Batch, folder: &Folder) -> Vec<(String, Vec<u8>)> {
     output::complain(&format!(
         "the table that was there has other settings or items; it is kept in {EARLIER}.csv and {EARLIER}.json"
     ));
-    vec![(format!("{EARLIER}.csv"), table), (format!("{EARLIER}.json"), whole)]
+    earlier().into_iter().zip([table, whole]).collect()
 }
 
 /// Writes table, JSON and charts.
