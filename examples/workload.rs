@@ -15,7 +15,7 @@ use morpho_fit::inversion::{
     Extent, FitOutcome, FitSettings, Fitter, ModelChoice, Nuisances, Parameter, Role, Search, Weight, fit,
 };
 use morpho_fit::optics::multilayer::general::{Film, LayeredStack};
-use morpho_fit::optics::multilayer::{Period, spectra};
+use morpho_fit::optics::multilayer::{Period, unpolarized_spectra};
 use morpho_fit::optics::{Admittance, LamellaUnit, Material, PaperModel, Snell, Stack, Structure};
 use morpho_fit::spectrum::Wavelengths;
 use morpho_fit::table::{Across, Nodes, Quantity, Source, Turn};
@@ -171,15 +171,12 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str, general: bool) -> R
     let angles: Vec<f64> = thetas.iter().map(|&theta| radians(theta)).collect();
     let mut values = vec![0.0; wavelengths.len() * thetas.len()];
     let seconds = median_seconds(|| {
-        let spectra = if general {
-            layered.spectra(&wavelengths, &angles)?
+        if general {
+            let spectra = layered.spectra(&wavelengths, &angles)?;
+            turn(&spectra, wavelengths.len(), &mut values, |both| both.mean());
         } else {
-            spectra(&media, &wavelengths, period, stack.layers, &angles)?
-        };
-        for (column, spectrum) in spectra.chunks_exact(wavelengths.len()).enumerate() {
-            for (row, both) in spectrum.iter().enumerate() {
-                values[row * thetas.len() + column] = both.mean();
-            }
+            let spectra = unpolarized_spectra(&media, &wavelengths, period, stack.layers, &angles)?;
+            turn(&spectra, wavelengths.len(), &mut values, |mean| mean);
         }
         Ok(())
     })?;
@@ -187,6 +184,20 @@ pub(crate) fn stack_samples(workload: &Value, variant: &str, general: bool) -> R
         std::fs::write(path, values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>())?;
     }
     Ok(json!({ "seconds": seconds, "cpu_seconds": seconds, "samples": values.len() }))
+}
+
+/// `[angle][wavelength]`, `along` of these, to `[wavelength][angle]`: some angles together, whose places lie side by side.
+fn turn<T: Copy>(from: &[T], along: usize, into: &mut [f64], of: impl Fn(T) -> f64) {
+    const TOGETHER: usize = 8;
+    let angles = from.len() / along;
+    for first in (0..angles).step_by(TOGETHER) {
+        let few = first..angles.min(first + TOGETHER);
+        for row in 0..along {
+            for (into, angle) in into[row * angles..][few.clone()].iter_mut().zip(few.clone()) {
+                *into = of(from[angle * along + row]);
+            }
+        }
+    }
 }
 
 pub(crate) fn one_fit(workload: &Value, folder: &Path, variant: &str) -> Result<Value> {

@@ -164,17 +164,66 @@ pub fn spectra(
     layers: usize,
     angles: &[f64],
 ) -> Result<Vec<SAndP>, OpticsError> {
-    let first = wavelengths.first().copied().unwrap_or(media.wavelength);
-    validate(&Media { wavelength: first, ..*media }, period, layers)?;
-    for &angle in angles {
-        require(angle.is_finite(), "angle", angle, "rad", "finite")?;
-    }
-    let wavenumbers = wavenumbers(wavelengths)?;
+    let wavenumbers = checked(media, wavelengths, period, layers, angles)?;
     let mut found = vec![SAndP::both(0.0); wavelengths.len() * angles.len()];
     for (&angle, found) in angles.iter().zip(found.chunks_exact_mut(wavelengths.len().max(1))) {
         reflectivities_unchecked(&[*media], &wavenumbers, period, layers, angle, found);
     }
     Ok(found)
+}
+
+/// The mean of s and p that [`spectra`] gives, for unpolarized light, in less time.
+///
+/// # Shape
+/// `[angles][wavelengths]`, one spectrum after the other.
+///
+/// # Errors
+/// As [`reflectivities`].
+///
+/// ```
+/// use morpho_fit::optics::{Stack, multilayer::{Period, unpolarized_spectra}};
+/// let stack = Stack::default();
+/// let period = Period { cuticle: 100.0, gap: 135.0 };
+/// let found = unpolarized_spectra(&stack.media(500.0)?, &[480.0, 583.0], period, stack.layers, &[0.0])?;
+/// assert!((found[0] - 0.409538957612).abs() < 1e-11 && (found[1] - 0.998597010770).abs() < 1e-11);
+/// # Ok::<(), morpho_fit::optics::OpticsError>(())
+/// ```
+pub fn unpolarized_spectra(
+    media: &Media,
+    wavelengths: &[f64],
+    period: Period,
+    layers: usize,
+    angles: &[f64],
+) -> Result<Vec<f64>, OpticsError> {
+    let wavenumbers = checked(media, wavelengths, period, layers, angles)?;
+    let mut found = vec![0.0; wavelengths.len() * angles.len()];
+    let mut both = Vec::new();
+    for (&angle, found) in angles.iter().zip(found.chunks_exact_mut(wavelengths.len().max(1))) {
+        if let Some([incidence]) = traveling(&[*media], angle).as_deref() {
+            lanes::means(media, incidence, period, layers, &wavenumbers, found);
+            continue;
+        }
+        both.resize(wavelengths.len(), SAndP::both(0.0));
+        reflectivities_unchecked(&[*media], &wavenumbers, period, layers, angle, &mut both);
+        found.iter_mut().zip(&both).for_each(|(mean, both)| *mean = both.mean());
+    }
+    Ok(found)
+}
+
+/// Wavenumbers of what [`spectra`] is asked for, if all of it is in range.
+fn checked(
+    media: &Media,
+    wavelengths: &[f64],
+    period: Period,
+    layers: usize,
+    angles: &[f64],
+) -> Result<Vec<f64>, OpticsError> {
+    let first = wavelengths.first().copied().unwrap_or(media.wavelength);
+    validate(&Media { wavelength: first, ..*media }, period, layers)?;
+    for &angle in angles {
+        require(angle.is_finite(), "angle", angle, "rad", "finite")?;
+    }
+    wavenumbers(wavelengths)
 }
 
 /// `2 pi / wavelength` of checked wavelengths.

@@ -1,7 +1,6 @@
 //! What stands still along a spectrum, or changes with the indices only.
 
 use crate::optics::multilayer::Period;
-use crate::optics::multilayer::lanes::BLOCK;
 use crate::optics::multilayer::periodic::{Admittances, Incidence};
 use crate::optics::stack::Media;
 
@@ -100,7 +99,7 @@ impl<T: Copy> Lanes<T> for Same<T> {
     }
 }
 
-impl<T: Copy> Lanes<T> for [T; BLOCK] {
+impl<T: Copy, const N: usize> Lanes<T> for [T; N] {
     #[inline(always)]
     fn at(&self, lane: usize) -> T {
         self[lane]
@@ -109,10 +108,10 @@ impl<T: Copy> Lanes<T> for [T; BLOCK] {
 
 /// The rows of a block that starts at `start`; the last one fills it.
 #[inline(always)]
-pub(super) fn rows_of<F: Copy>(rows: &[Row<F>], start: usize) -> ([F; BLOCK], [F; BLOCK], [Paths; BLOCK]) {
+pub(super) fn rows_of<F: Copy, const N: usize>(rows: &[Row<F>], start: usize) -> ([F; N], [F; N], [Paths; N]) {
     let last = rows.len() - 1;
-    let (mut s, mut p, mut paths) = ([rows[last].y[0]; BLOCK], [rows[last].y[1]; BLOCK], [rows[last].paths; BLOCK]);
-    for i in 0..BLOCK {
+    let (mut s, mut p, mut paths) = ([rows[last].y[0]; N], [rows[last].y[1]; N], [rows[last].paths; N]);
+    for i in 0..N {
         let row = &rows[(start + i).min(last)];
         (s[i], p[i], paths[i]) = (row.y[0], row.y[1], row.paths);
     }

@@ -5,7 +5,7 @@
 
 use crate::numerics::fused::{fused_or_not, mul_add};
 use crate::optics::multilayer::lanes::row::{Fixed, Lanes, Paths, Row, Same, rows_of};
-use crate::optics::multilayer::lanes::{BLOCK, Block, Phases, Rules, doublings, padded};
+use crate::optics::multilayer::lanes::{Block, NARROW, Phases, Rules, WIDE, along, doublings, padded, put};
 use crate::optics::multilayer::periodic::{Admittances, Incidence};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
 use crate::optics::stack::Media;
@@ -52,19 +52,25 @@ fn steepness_of_one<const FUSED: bool>(
     layers: usize,
     out: &mut [StackSlopes],
 ) {
-    for (number, (chunk, out)) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)).enumerate() {
-        let k = padded(chunk);
-        let [cuticle, gap, angle] = if let [Row { y: [y, _], paths }] = rows {
-            Phases::new::<FUSED>(&k, &Same(*paths)).slopes::<FUSED>(&Same(*y), &Same(*paths), &k, layers)
-        } else {
-            let (y, _, paths) = rows_of(rows, number * BLOCK);
-            Phases::new::<FUSED>(&k, &paths).slopes::<FUSED>(&y, &paths, &k, layers)
-        };
-        for (i, out) in out.iter_mut().enumerate() {
-            let [cuticle, gap, angle] = [cuticle[i], gap[i], angle[i]].map(SAndP::both);
-            *out = StackSlopes { cuticle, gap, angle };
-        }
-    }
+    along!(wavenumbers.len(), block_of_one::<FUSED>(rows, wavenumbers, layers, out));
+}
+
+#[inline(always)]
+fn block_of_one<const FUSED: bool, const N: usize>(
+    rows: &[Row<(Fixed, Fixed)>],
+    wavenumbers: &[f64],
+    layers: usize,
+    out: &mut [StackSlopes],
+    first: usize,
+) {
+    let k = padded::<N>(wavenumbers, first);
+    let one = if let [Row { y: [y, _], paths }] = rows {
+        Phases::new::<FUSED>(&k, &Same(*paths)).slopes::<FUSED>(&Same(*y), &Same(*paths), &k, layers)
+    } else {
+        let (y, _, paths) = rows_of::<_, N>(rows, first);
+        Phases::new::<FUSED>(&k, &paths).slopes::<FUSED>(&y, &paths, &k, layers)
+    };
+    put_both([&one, &one], out, first);
 }
 
 #[inline(always)]
@@ -74,45 +80,62 @@ pub(super) fn steepness_of_both<const FUSED: bool>(
     layers: usize,
     out: &mut [StackSlopes],
 ) {
-    for (number, (chunk, out)) in wavenumbers.chunks(BLOCK).zip(out.chunks_mut(BLOCK)).enumerate() {
-        let k = padded(chunk);
-        let [s, p] = if let [Row { y: [s, p], paths }] = rows {
-            let phases = Phases::new::<FUSED>(&k, &Same(*paths));
-            let paths = Same(*paths);
-            [
-                phases.slopes::<FUSED>(&Same(*s), &paths, &k, layers),
-                phases.slopes::<FUSED>(&Same(*p), &paths, &k, layers),
-            ]
-        } else {
-            let (s, p, paths) = rows_of(rows, number * BLOCK);
-            let phases = Phases::new::<FUSED>(&k, &paths);
-            [phases.slopes::<FUSED>(&s, &paths, &k, layers), phases.slopes::<FUSED>(&p, &paths, &k, layers)]
-        };
-        for (i, out) in out.iter_mut().enumerate() {
-            let [cuticle, gap, angle] = [0, 1, 2].map(|by| SAndP { s: s[by][i], p: p[by][i] });
-            *out = StackSlopes { cuticle, gap, angle };
-        }
-    }
+    along!(wavenumbers.len(), block_of_both::<FUSED>(rows, wavenumbers, layers, out));
 }
 
-impl Phases {
+#[inline(always)]
+fn block_of_both<const FUSED: bool, const N: usize>(
+    rows: &[Row<(Fixed, Fixed)>],
+    wavenumbers: &[f64],
+    layers: usize,
+    out: &mut [StackSlopes],
+    first: usize,
+) {
+    let k = padded::<N>(wavenumbers, first);
+    let [s, p] = if let [Row { y: [s, p], paths }] = rows {
+        let phases = Phases::new::<FUSED>(&k, &Same(*paths));
+        let paths = Same(*paths);
+        [
+            phases.slopes::<FUSED>(&Same(*s), &paths, &k, layers),
+            phases.slopes::<FUSED>(&Same(*p), &paths, &k, layers),
+        ]
+    } else {
+        let (s, p, paths) = rows_of::<_, N>(rows, first);
+        let phases = Phases::new::<FUSED>(&k, &paths);
+        [phases.slopes::<FUSED>(&s, &paths, &k, layers), phases.slopes::<FUSED>(&p, &paths, &k, layers)]
+    };
+    put_both([&s, &p], out, first);
+}
+
+/// Writes the slopes of a block for s and for p.
+#[inline(always)]
+fn put_both<const N: usize>([s, p]: [&[Block<N>; 3]; 2], out: &mut [StackSlopes], first: usize) {
+    let mut found = [StackSlopes::default(); N];
+    for i in 0..N {
+        let [cuticle, gap, angle] = [0, 1, 2].map(|by| SAndP { s: s[by][i], p: p[by][i] });
+        found[i] = StackSlopes { cuticle, gap, angle };
+    }
+    put(&found, out, first);
+}
+
+impl<const N: usize> Phases<N> {
     /// Backwards from R, its derivatives by the thickness of cuticle and gap and by the angle. Where R is 1 they are 0.
     #[inline(always)]
     fn slopes<const FUSED: bool>(
         &self,
         y: &impl Lanes<(Fixed, Fixed)>,
         paths: &impl Lanes<Paths>,
-        k: &Block,
+        k: &Block<N>,
         layers: usize,
-    ) -> [Block; 3] {
-        let mut trace = [0.0; BLOCK];
-        for i in 0..BLOCK {
+    ) -> [Block<N>; 3] {
+        let mut trace = [0.0; N];
+        for i in 0..N {
             trace[i] = mul_add::<FUSED>(-y.at(i).0.ratios, self.sin_sin[i], 2.0 * self.cos_cos[i]);
         }
-        let (u, trace, by_u) = power_and_slope::<FUSED>(&trace, layers);
-        let (mut cuticle, mut gap, mut angle) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let (u, trace, by_u) = power_and_slope::<FUSED, N>(&trace, layers);
+        let (mut cuticle, mut gap, mut angle) = ([0.0; N], [0.0; N], [0.0; N]);
         let periods = count(layers);
-        for i in 0..BLOCK {
+        for i in 0..N {
             let (cc, ss, cs, sc) = (self.cos_cos[i], self.sin_sin[i], self.cos_sin[i], self.sin_cos[i]);
             let (u, trace, (y, by_angle), paths) = (u[i], trace[i], y.at(i), paths.at(i));
             let real = mul_add::<FUSED>(y.half_step, trace, u * (y.contrast * ss));
@@ -149,18 +172,21 @@ impl Phases {
 
 /// [`power`](super::power), and the derivative of its first value by the trace; that of the second is `M U_(M-1)`.
 #[inline(always)]
-fn power_and_slope<const FUSED: bool>(trace: &Block, periods: usize) -> (Block, Block, Block) {
-    let (mut u, mut of_all, mut by_u): (Block, Block, Block) = ([1.0; BLOCK], *trace, [0.0; BLOCK]);
+fn power_and_slope<const FUSED: bool, const N: usize>(
+    trace: &Block<N>,
+    periods: usize,
+) -> (Block<N>, Block<N>, Block<N>) {
+    let (mut u, mut of_all, mut by_u): (Block<N>, Block<N>, Block<N>) = ([1.0; N], *trace, [0.0; N]);
     let mut so_far = 1.0;
     for odd in doublings(periods) {
-        for i in 0..BLOCK {
+        for i in 0..N {
             by_u[i] = mul_add::<FUSED>(by_u[i], of_all[i], so_far * u[i] * u[i]);
             u[i] *= of_all[i];
             of_all[i] = mul_add::<FUSED>(of_all[i], of_all[i], -2.0);
         }
         so_far *= 2.0;
         if odd {
-            for i in 0..BLOCK {
+            for i in 0..N {
                 let half = 0.5 * trace[i];
                 by_u[i] = mul_add::<FUSED>(half, by_u[i], 0.5 * (1.0 + so_far) * u[i]);
                 let next = mul_add::<FUSED>(half, u[i], 0.5 * of_all[i]);
