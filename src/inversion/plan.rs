@@ -12,26 +12,23 @@
 
 mod model_held;
 mod seen;
+mod terms;
 
 use crate::dataset::{Dataset, Reading};
 use crate::inversion::numbering::Numbers;
-use crate::inversion::parameter::{COUNT, structure};
 use crate::inversion::rows::Rows;
 use crate::inversion::settings::Parts;
 use crate::optics::hybrid::HybridNode;
-use crate::optics::lamella::{self, LamellaNode};
-use crate::optics::multilayer::{Period, SAndP, StackSlopes};
-use crate::optics::{Join, Media, OpticsError, ReflectivityModel, lobe};
+use crate::optics::lamella::LamellaNode;
+use crate::optics::multilayer::Period;
+use crate::optics::{Join, Media, OpticsError, ReflectivityModel};
 use model_held::ModelHeld;
-use nalgebra::DVector;
 use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
+pub(crate) use terms::{LamellaSlopes, Terms, TermsView};
 
 /// Readings that a thinned plan keeps of each curve, if it has them.
 const LEAST_OF_A_CURVE: usize = 16;
-
-/// A direction this near the edge of the lobe is at it, rad.
-const EDGE: f64 = 1e-4;
 
 /// Denominator and numerator of the golden ratio's fractional part: multiples of it are spread evenly.
 const SPREAD: usize = 1 << 16;
@@ -89,39 +86,6 @@ pub struct Plan<'a> {
     pub(crate) readings: Vec<PlannedReading>,
     pub(crate) rows: Rows,
     pub(crate) curves: usize,
-}
-
-/// Values at the unique points of a plan.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Terms {
-    pub(crate) interference: Vec<f64>,
-    pub(crate) diffraction: Vec<f64>,
-    pub(crate) stack: Vec<f64>,
-    pub(crate) lobe: Vec<f64>,
-}
-
-/// [`Terms`] by reference: a search joins terms that many points share.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TermsView<'a> {
-    /// `A²` by lamella node.
-    pub(crate) interference: &'a [f64],
-    /// `factor(a) · S² · cos²(theta)` by lamella node.
-    pub(crate) diffraction: &'a [f64],
-    /// R of the reading's polarization by stack node.
-    pub(crate) stack: &'a [f64],
-    /// L by lobe node; of a product all but R.
-    pub(crate) lobe: &'a [f64],
-}
-
-impl Terms {
-    pub(crate) fn view(&self) -> TermsView<'_> {
-        TermsView {
-            interference: &self.interference,
-            diffraction: &self.diffraction,
-            stack: &self.stack,
-            lobe: &self.lobe,
-        }
-    }
 }
 
 impl<'a> Plan<'a> {
@@ -302,116 +266,5 @@ impl<'a> Plan<'a> {
             (own.intensity, own.weight) = (reading.intensity, weight(reading));
         }
         self.rows.set_readings(&self.readings);
-    }
-
-    pub(crate) fn interference(&self, period: f64) -> Vec<f64> {
-        lamella::interference(&self.half_kv, period, self.model.stack().layers)
-    }
-
-    pub(crate) fn diffraction(&self, lamella_width: f64) -> Vec<f64> {
-        let factor = self.model.lamella_factor(lamella_width);
-        lamella::diffraction(&self.half_ku, &self.obliquity, lamella_width, factor)
-    }
-
-    /// Derivatives of [`Plan::interference`] by the period, 1/nm, in exact form; `None` where there is none.
-    pub(crate) fn interference_slopes(&self, period: f64) -> Option<DVector<f64>> {
-        lamella::interference_slopes(&self.half_kv, period, self.model.stack().layers).map(DVector::from_vec)
-    }
-
-    /// Derivatives of [`Plan::diffraction`] by the width of the lamella, 1/nm.
-    pub(crate) fn diffraction_slopes(&self, lamella_width: f64) -> DVector<f64> {
-        let factor = self.model.lamella_factor(lamella_width);
-        let slope = self.model.lamella_factor_slope(lamella_width);
-        DVector::from_vec(lamella::diffraction_slopes(&self.half_ku, &self.obliquity, lamella_width, factor, slope))
-    }
-
-    /// NaN where the model has no answer, which a fit reads as a forbidden point.
-    pub(crate) fn stack(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Vec<f64> {
-        let period = Period { cuticle: d_cuticle, gap: d_air };
-        let mut values = vec![f64::NAN; self.nodes];
-        let mut both = Vec::new();
-        for run in &self.stack {
-            both.clear();
-            both.resize(run.wavenumbers.len(), SAndP::both(f64::NAN));
-            let angle = if self.is_product() { run.angle } else { run.angle - delta };
-            if self.model.stack_reflectivities(&run.media, &run.wavenumbers, period, angle, &mut both).is_err() {
-                continue;
-            }
-            for (&(node, (s, p)), both) in run.nodes.iter().zip(&both) {
-                values[node] = s * both.s + p * both.p;
-            }
-        }
-        values
-    }
-
-    /// Derivatives of [`Plan::stack`] by `d_air`, `d_cuticle` and `delta` (per nm and rad), in exact form; `None` where the
-    /// model has none.
-    pub(crate) fn stack_slopes(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Option<[DVector<f64>; 3]> {
-        let period = Period { cuticle: d_cuticle, gap: d_air };
-        // Of a product the tilt moves the lobe alone.
-        let product = self.is_product();
-        let mut slopes = [0, 1, 2].map(|_| DVector::zeros(self.nodes));
-        let mut found = Vec::new();
-        for run in &self.stack {
-            found.clear();
-            found.resize(run.wavenumbers.len(), StackSlopes::default());
-            let angle = if product { run.angle } else { run.angle - delta };
-            self.model.stack_slopes(&run.media, &run.wavenumbers, period, angle, &mut found).then_some(())?;
-            for (&(node, (s, p)), found) in run.nodes.iter().zip(&found) {
-                let of = |both: SAndP| s * both.s + p * both.p;
-                slopes[0][node] = of(found.gap);
-                slopes[1][node] = of(found.cuticle);
-                slopes[2][node] = if product { 0.0 } else { -of(found.angle) };
-            }
-        }
-        Some(slopes)
-    }
-
-    /// Of a product all factors but the stack, which only then depend on the lamella width.
-    pub(crate) fn lobe(&self, delta: f64, phi_alpha: f64, lamella_width: f64) -> Vec<f64> {
-        if let Join::Product { ridge_spacing } = self.model.join() {
-            let of = structure(&[0.0, 0.0, delta, phi_alpha, lamella_width]);
-            return self.product.iter().map(|node| node.spread(&of, ridge_spacing)).collect();
-        }
-        self.lobe.iter().map(|&(theta, phi)| lobe::lobe(theta, phi, delta, phi_alpha)).collect()
-    }
-
-    /// Derivatives of [`Plan::lobe`] by the tilt and the half-width, 1/rad, in exact form; `None` for a product, and
-    /// with a direction next to the lobe's edge, where the slope jumps and a difference sees both sides.
-    pub(crate) fn lobe_slopes(&self, delta: f64, phi_alpha: f64) -> Option<[DVector<f64>; 2]> {
-        let at_edge = |&(theta, phi): &(f64, f64)| ((phi + theta - 2.0 * delta).abs() - phi_alpha).abs() < EDGE;
-        if self.lobe.iter().any(at_edge) {
-            return None;
-        }
-        let of = |&(theta, phi): &(f64, f64)| lobe::lobe_slopes(theta, phi, delta, phi_alpha);
-        let slopes: Vec<[f64; 2]> = self.lobe.iter().map(of).collect();
-        let by = |which: usize| DVector::from_iterator(slopes.len(), slopes.iter().map(|slopes| slopes[which]));
-        (!self.is_product()).then(|| [0, 1].map(by))
-    }
-
-    pub(crate) fn terms(&self, values: &[f64; COUNT]) -> Terms {
-        let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = *values;
-        Terms {
-            interference: self.interference(d_air + d_cuticle),
-            diffraction: self.diffraction(lamella_width),
-            stack: self.stack(d_air, d_cuticle, delta),
-            lobe: self.lobe(delta, phi_alpha, lamella_width),
-        }
-    }
-
-    /// `(I_A cos² omega, I_B sin² omega)` of a reading; of a product 0 and all of it.
-    #[inline]
-    pub(crate) fn parts(&self, reading: &PlannedReading, terms: TermsView<'_>) -> (f64, f64) {
-        let a = if reading.share_a > 0.0 {
-            reading.share_a * terms.interference[reading.lamella] * terms.diffraction[reading.lamella]
-        } else {
-            0.0
-        };
-        let b = if reading.share_b > 0.0 {
-            reading.share_b * terms.stack[reading.stack] * terms.lobe[reading.lobe]
-        } else {
-            0.0
-        };
-        (a, b)
     }
 }

@@ -7,13 +7,14 @@
 use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::{LinearPart, NormalEquations, in_use};
 use crate::inversion::parameter::{COUNT, Parameter, inside};
-use crate::inversion::plan::{Plan, Terms};
+use crate::inversion::plan::{LamellaSlopes, Plan, Terms};
 use crate::inversion::rows::{self, Block, TermSlopes, Weighted, WeightedParts};
 use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
 use crate::numerics::dot::{dot, three_by_three};
 use crate::optimise::{Bounds, LeastSquares, Products, derivative, without_columns};
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 use std::cell::RefCell;
 
 /// What a run of the solver minimises. Made anew for each run: it remembers its last point.
@@ -25,6 +26,8 @@ pub(crate) struct Problem<'a> {
     weighted: Weighted<'a>,
     derivative: Derivative,
     last: RefCell<Option<Evaluation>>,
+    /// The derivatives of a block of readings: memory.
+    columns: RefCell<[Vec<f64>; COUNT]>,
 }
 
 /// The model at one point.
@@ -33,6 +36,8 @@ pub(crate) struct Evaluation {
     free: DVector<f64>,
     pub(crate) values: [f64; COUNT],
     pub(crate) terms: Terms,
+    /// What the solver asks for next, where exact derivatives are wanted.
+    lamella_slopes: Option<LamellaSlopes>,
     parts: WeightedParts,
     /// Of the nuisances; `None` without any.
     equations: Option<NormalEquations>,
@@ -53,7 +58,8 @@ impl<'a> Problem<'a> {
         robust: &[f64],
         derivative: Derivative,
     ) -> Self {
-        Self { plan, linear, space, weighted: plan.rows.weighted(robust), derivative, last: RefCell::new(None) }
+        let weighted = plan.rows.weighted(robust);
+        Self { plan, linear, space, weighted, derivative, last: RefCell::new(None), columns: RefCell::default() }
     }
 
     /// Number of residuals.
@@ -68,16 +74,24 @@ impl<'a> Problem<'a> {
 
     /// The model at `free` with its best nuisances; `None` outside the models' domain.
     pub(crate) fn evaluate(&self, free: &DVector<f64>) -> Option<Evaluation> {
+        self.evaluate_in(None, free, false)
+    }
+
+    /// The same in the memory of another evaluation, if `with_slopes` with those of Model A.
+    fn evaluate_in(&self, old: Option<Evaluation>, free: &DVector<f64>, with_slopes: bool) -> Option<Evaluation> {
         let values = self.space.freedom.expand(free);
         if !inside(&values) {
             return None;
         }
-        let terms = self.plan.terms(&values);
-        let parts = self.plan.rows.parts(terms.view(), &self.weighted.weights);
+        let (mut terms, mut parts, memory) =
+            old.map_or_else(Default::default, |old| (old.terms, old.parts, old.lamella_slopes));
+        let mut lamella_slopes = with_slopes.then(|| memory.unwrap_or_default());
+        self.plan.renew(&values, &mut terms, lamella_slopes.as_mut());
+        self.plan.rows.renew(terms.view(), &self.weighted.weights, &mut parts);
         let equations = (!self.linear.columns.is_empty())
             .then(|| self.linear.normal_equations(&self.plan.rows, &parts, &self.weighted));
         let coefficients = equations.as_ref().map_or_else(|| DVector::zeros(0), NormalEquations::solve);
-        Some(Evaluation { free: free.clone(), values, terms, parts, equations, coefficients })
+        Some(Evaluation { free: free.clone(), values, terms, lamella_slopes, parts, equations, coefficients })
     }
 
     /// Length of the vector of weighted readings.
@@ -96,52 +110,68 @@ impl<'a> Problem<'a> {
         residuals
     }
 
+    /// Central differences of terms by a parameter; `None` if it does not move.
+    fn difference(&self, of: Parameter, at: f64, terms: impl Fn(f64) -> Vec<f64>) -> Option<DVector<f64>> {
+        let along = |x| DVector::from_vec(terms(x));
+        self.space.freedom.moves(of).then(|| derivative(along, at, of.typical_change(), of.domain()))
+    }
+
+    /// Derivatives of Model A's terms at `point`.
+    fn lamella_slopes<'p>(&self, point: &'p Evaluation) -> Cow<'p, LamellaSlopes> {
+        let (plan, [d_air, d_cuticle, .., width]) = (self.plan, point.values);
+        let of_exact = || match &point.lamella_slopes {
+            Some(known) => Cow::Borrowed(known),
+            None => Cow::Owned(plan.lamella_slopes(&point.values)),
+        };
+        let exact = (self.derivative == Derivative::Exact).then(of_exact);
+        let mut slopes = match exact {
+            Some(exact) if exact.has_period => return exact,
+            Some(by_width_alone) => by_width_alone.into_owned(),
+            None => LamellaSlopes::default(),
+        };
+        // What does not move has no slope.
+        let none = || DVector::zeros(point.terms.interference.len());
+        if slopes.by_width.is_empty() {
+            let by_width = self.difference(Parameter::LamellaWidth, width, |x| plan.diffraction(x));
+            slopes.by_width = by_width.unwrap_or_else(none).data.into();
+        }
+        let moves = [Parameter::DAir, Parameter::DCuticle].map(|parameter| self.space.freedom.moves(parameter));
+        let along = |x| DVector::from_vec(plan.interference(x));
+        let by_period = moves.contains(&true).then(|| {
+            derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY))
+        });
+        slopes.by_period = by_period.unwrap_or_else(none).data.into();
+        Cow::Owned(slopes)
+    }
+
     /// The derivatives of each term at `point` by each parameter it depends on.
-    fn term_slopes(&self, point: &Evaluation) -> PointSlopes {
+    fn term_slopes<'p>(&self, point: &'p Evaluation) -> PointSlopes<'p> {
         let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = point.values;
         let (plan, terms) = (self.plan, &point.terms);
-        let moves = |parameter| self.space.freedom.moves(parameter);
-        let difference = |parameter: Parameter, at: f64, function: &dyn Fn(f64) -> Vec<f64>| {
-            moves(parameter).then(|| {
-                derivative(|x| DVector::from_vec(function(x)), at, parameter.typical_change(), parameter.domain())
-            })
-        };
         let exactly = self.derivative == Derivative::Exact;
-        let period = (moves(Parameter::DAir) || moves(Parameter::DCuticle)).then(|| {
-            let exact = exactly.then(|| plan.interference_slopes(d_air + d_cuticle)).flatten();
-            exact.unwrap_or_else(|| {
-                let along = |x| DVector::from_vec(plan.interference(x));
-                derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY))
-            })
-        });
-        let width = if exactly {
-            moves(Parameter::LamellaWidth).then(|| plan.diffraction_slopes(lamella_width))
-        } else {
-            difference(Parameter::LamellaWidth, lamella_width, &|x| plan.diffraction(x))
-        };
         let stack = exactly.then(|| plan.stack_slopes(d_air, d_cuticle, delta)).flatten().map(|all| all.map(Some));
         let stack = stack.unwrap_or_else(|| {
             [
-                difference(Parameter::DAir, d_air, &|x| plan.stack(x, d_cuticle, delta)),
-                difference(Parameter::DCuticle, d_cuticle, &|x| plan.stack(d_air, x, delta)),
-                difference(Parameter::Delta, delta, &|x| plan.stack(d_air, d_cuticle, x)),
+                self.difference(Parameter::DAir, d_air, |x| plan.stack(x, d_cuticle, delta)),
+                self.difference(Parameter::DCuticle, d_cuticle, |x| plan.stack(d_air, x, delta)),
+                self.difference(Parameter::Delta, delta, |x| plan.stack(d_air, d_cuticle, x)),
             ]
         });
         let lobe = exactly.then(|| plan.lobe_slopes(delta, phi_alpha)).flatten().map(|both| both.map(Some));
         let lobe = lobe.unwrap_or_else(|| {
             [
-                difference(Parameter::Delta, delta, &|x| plan.lobe(x, phi_alpha, lamella_width)),
-                difference(Parameter::PhiAlpha, phi_alpha, &|x| plan.lobe(delta, x, lamella_width)),
+                self.difference(Parameter::Delta, delta, |x| plan.lobe(x, phi_alpha, lamella_width)),
+                self.difference(Parameter::PhiAlpha, phi_alpha, |x| plan.lobe(delta, x, lamella_width)),
             ]
         });
         let lobe_by_width = plan
             .is_product()
-            .then(|| difference(Parameter::LamellaWidth, lamella_width, &|x| plan.lobe(delta, phi_alpha, x)))
+            .then(|| self.difference(Parameter::LamellaWidth, lamella_width, |x| plan.lobe(delta, phi_alpha, x)))
             .flatten();
         // What does not move has no slope.
         let or_none = |slopes: Option<DVector<f64>>, like: &[f64]| slopes.unwrap_or_else(|| DVector::zeros(like.len()));
         PointSlopes {
-            lamella: [or_none(period, &terms.interference), or_none(width, &terms.diffraction)],
+            lamella: self.lamella_slopes(point),
             stack: stack.map(|slopes| or_none(slopes, &terms.stack)),
             lobe: lobe.map(|slopes| or_none(slopes, &terms.lobe)),
             lobe_by_width,
@@ -162,7 +192,7 @@ impl<'a> Problem<'a> {
         if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }
     }
 
-    fn slopes_of(&self, block: &Block, point: &Evaluation, slopes: &PointSlopes, columns: [&mut [f64]; COUNT]) {
+    fn slopes_of(&self, block: &Block, point: &Evaluation, slopes: &PointSlopes<'_>, columns: [&mut [f64]; COUNT]) {
         let (on_a, on_b, _) = self.linear.factors(block.curve, &point.coefficients);
         let (terms, weights) = (point.terms.view(), &self.weighted.weights);
         self.plan.rows.slopes(block, terms, &slopes.view(), weights, (on_a, on_b), columns);
@@ -177,7 +207,8 @@ impl<'a> Problem<'a> {
         let mut gradient = DVector::zeros(COUNT);
         let mut along = DMatrix::zeros(active.len(), COUNT);
         let longest = self.plan.rows.blocks().iter().map(|block| block.rows.len()).max().unwrap_or(0);
-        let mut memory: [Vec<f64>; COUNT] = std::array::from_fn(|_| vec![0.0; longest]);
+        let mut memory = self.columns.take();
+        memory.iter_mut().for_each(|column| column.resize(longest, 0.0));
         for block in self.plan.rows.blocks() {
             self.slopes_of(block, point, &slopes, memory.each_mut().map(|column| &mut column[..block.rows.len()]));
             let columns = memory.each_ref().map(|column| &column[..block.rows.len()]);
@@ -210,6 +241,7 @@ impl<'a> Problem<'a> {
                 }
             }
         }
+        self.columns.replace(memory);
         let freedom = &self.space.freedom;
         gram.fill_upper_triangle_with_lower_triangle();
         if !freedom.is_all_free() {
@@ -244,7 +276,8 @@ impl<'a> Problem<'a> {
 
 impl LeastSquares for Problem<'_> {
     fn residuals(&self, free: &DVector<f64>) -> DVector<f64> {
-        let Some(point) = self.evaluate(free) else {
+        let with_slopes = self.derivative == Derivative::Exact;
+        let Some(point) = self.evaluate_in(self.last.take(), free, with_slopes) else {
             return DVector::from_element(self.plan.len(), f64::INFINITY);
         };
         let residuals = self.residuals_at(&point);
@@ -282,17 +315,17 @@ impl LeastSquares for Problem<'_> {
 }
 
 /// Derivatives of the terms at one point; see [`TermSlopes`].
-struct PointSlopes {
-    lamella: [DVector<f64>; 2],
+struct PointSlopes<'p> {
+    lamella: Cow<'p, LamellaSlopes>,
     stack: [DVector<f64>; 3],
     lobe: [DVector<f64>; 2],
     lobe_by_width: Option<DVector<f64>>,
 }
 
-impl PointSlopes {
+impl PointSlopes<'_> {
     fn view(&self) -> TermSlopes<'_> {
         TermSlopes {
-            lamella: self.lamella.each_ref().map(DVector::as_slice),
+            lamella: [&self.lamella.by_period, &self.lamella.by_width],
             stack: self.stack.each_ref().map(DVector::as_slice),
             lobe: self.lobe.each_ref().map(DVector::as_slice),
             lobe_by_width: self.lobe_by_width.as_ref().map(DVector::as_slice),

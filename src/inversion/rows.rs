@@ -66,7 +66,7 @@ pub(crate) struct Weighted<'a> {
 }
 
 /// Both models at every reading, with their shares of its plane, times its weight.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct WeightedParts {
     pub(crate) lamella: Vec<f64>,
     pub(crate) multilayer: Vec<f64>,
@@ -166,7 +166,17 @@ impl Rows {
 
     /// Both models at every reading.
     pub(crate) fn parts(&self, terms: TermsView<'_>, weights: &[f64]) -> WeightedParts {
-        WeightedParts { lamella: self.lamella(terms, weights), multilayer: self.multilayer(terms, weights) }
+        let mut parts = WeightedParts::default();
+        self.renew(terms, weights, &mut parts);
+        parts
+    }
+
+    /// Puts both models at every reading into `parts`, whatever was there.
+    pub(crate) fn renew(&self, terms: TermsView<'_>, weights: &[f64], parts: &mut WeightedParts) {
+        parts.lamella.resize(weights.len(), 0.0);
+        parts.multilayer.resize(weights.len(), 0.0);
+        products(&mut parts.lamella, weights, &self.runs, true, [terms.interference, terms.diffraction]);
+        products(&mut parts.multilayer, weights, &self.runs, false, [terms.stack, terms.lobe]);
     }
 
     /// Model A at every reading, with its share of the plane, times its weight.
