@@ -93,6 +93,7 @@ pub struct Dataset {
     notes: Vec<String>,
     sha256: String,
     middle_wavelength: f64,
+    largest: f64,
 }
 
 impl Dataset {
@@ -165,7 +166,8 @@ impl Dataset {
         // There is at least one reading; no choice of a value stands for none.
         let middle_wavelength =
             if wavelengths.is_empty() { f64::NAN } else { *wavelengths.select_nth_unstable_by(half, f64::total_cmp).1 };
-        Self { readings, curves, notes, sha256, middle_wavelength }
+        let largest = readings.iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
+        Self { readings, curves, notes, sha256, middle_wavelength, largest }
     }
 
     /// The readings, in the order of the file; at least one.
@@ -190,6 +192,12 @@ impl Dataset {
     #[must_use]
     pub fn has_sigma(&self) -> bool {
         self.readings.first().is_some_and(|reading| reading.sigma.is_some())
+    }
+
+    /// The largest intensity in size; 0 if all are 0.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.largest
     }
 
     /// What the reader of the file should be told although nothing is wrong, one sentence each.

@@ -154,6 +154,9 @@ pub(crate) fn weights(minima: &[Minimum], ranges: &DVector<f64>, unit: f64) -> V
 pub(crate) fn likeliest_first(minima: &mut [Minimum], ranges: &DVector<f64>, unit: f64) {
     let best = minima.first().map_or(0.0, Minimum::sum_of_squares);
     let tied = minima.iter().take_while(|one| one.sum_of_squares() - best <= TIED * unit * unit).count();
+    if tied < 2 {
+        return;
+    }
     let weights = weights(&minima[..tied], ranges, unit);
     let first = weights.first().copied().unwrap_or(0.0);
     let likeliest = (weights.iter().enumerate()).max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)));

@@ -51,8 +51,7 @@ impl<'a> Compiled<'a> {
 
     /// The same design with other intensities, one for each reading.
     pub(crate) fn with_intensities(&self, intensities: &[f64]) -> Self {
-        let mut plan = self.plan.clone();
-        plan.set_intensities(intensities);
+        let plan = self.plan.with_intensities(intensities);
         Self { data: self.data, settings: self.settings, plan, linear: self.linear.clone() }
     }
 

@@ -146,7 +146,7 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
 
 /// Refuses intensities whose squares leave the range of numbers.
 pub(crate) fn check(data: &Dataset) -> Result<(), FitError> {
-    let largest = data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
+    let largest = data.largest();
     if largest > 1e100 || (largest > 0.0 && largest < 1e-100) { Err(FitError::Unit { largest }) } else { Ok(()) }
 }
 

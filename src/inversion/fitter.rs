@@ -127,8 +127,7 @@ impl Part {
     }
 
     fn with<'a>(&self, data: &'a Dataset, settings: &'a FitSettings) -> Compiled<'a> {
-        let mut plan = self.plan.clone();
-        plan.set_readings(self.rows.iter().map(|&row| &data.readings()[row]));
+        let plan = self.plan.with_readings(self.rows.iter().map(|&row| &data.readings()[row]));
         Compiled { data, settings, plan, linear: self.linear.clone() }
     }
 }

@@ -21,7 +21,7 @@ pub(crate) fn jackknife(found: &Found<'_>, point: &Evaluation, in_use: &[usize],
     let others = found.minima.iter().skip(1);
     let others = others.map(|minimum| freedom.restrict(&found.searched.freedom.expand(&minimum.parameters)));
     let starts: Vec<DVector<f64>> = std::iter::once(found.best.parameters.clone()).chain(others).collect();
-    let curves: Vec<usize> = found.plan.readings.iter().map(|reading| reading.curve).collect();
+    let curves: Vec<usize> = found.plan.readings().iter().map(|reading| reading.curve).collect();
     let without_each = |blocks: &Blocks| {
         let fits: Vec<DVector<f64>> = (0..blocks.count)
             .into_par_iter()

@@ -113,7 +113,7 @@ impl LinearPart {
             Weight::Fitted => (1.0, both),
         };
         let mut seen = vec![(false, false); plan.curves];
-        for reading in &plan.readings {
+        for reading in plan.readings() {
             seen[reading.curve].0 |= reading.share_a > 0.0;
             seen[reading.curve].1 |= reading.share_b > 0.0;
         }

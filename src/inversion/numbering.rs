@@ -23,22 +23,28 @@ impl<K> Default for Numbers<K> {
 
 impl<K: Copy + Eq + Hash> Numbers<K> {
     /// The number of `key`; that of a new one is how many were met before it.
+    #[inline]
     pub(crate) fn of(&mut self, key: K) -> usize {
-        let is = |number: Option<&usize>| number.filter(|&&number| self.keys.get(number) == Some(&key)).copied();
-        if let Some(number) = is(Some(&self.last)) {
-            return number;
+        if self.keys.get(self.last) == Some(&key) {
+            return self.last;
         }
-        let number = is(self.after.get(self.last)).unwrap_or_else(|| {
-            let next = self.keys.len();
-            let number = *self.known.entry(key).or_insert(next);
-            if number == next {
-                self.keys.push(key);
-                self.after.push(next);
-            }
-            number
-        });
-        self.after[self.last] = number;
+        let number = match self.after.get(self.last) {
+            Some(&next) if self.keys.get(next) == Some(&key) => next,
+            _ => self.looked_up(key),
+        };
         self.last = number;
+        number
+    }
+
+    #[cold]
+    fn looked_up(&mut self, key: K) -> usize {
+        let next = self.keys.len();
+        let number = *self.known.entry(key).or_insert(next);
+        if number == next {
+            self.keys.push(key);
+            self.after.push(next);
+        }
+        self.after[self.last] = number;
         number
     }
 }

@@ -137,9 +137,9 @@ impl<'a> Problem<'a> {
         }
         let moves = [Parameter::DAir, Parameter::DCuticle].map(|parameter| self.space.freedom.moves(parameter));
         let along = |x| DVector::from_vec(plan.interference(x));
-        let by_period = moves.contains(&true).then(|| {
-            derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY))
-        });
+        let by_period = moves
+            .contains(&true)
+            .then(|| derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY)));
         slopes.by_period = by_period.unwrap_or_else(none).data.into();
         Cow::Owned(slopes)
     }

@@ -2,6 +2,7 @@
 
 use crate::inversion::estimates::Found;
 use crate::inversion::outcome::{CurveResiduals, FittedReading};
+use crate::numerics::dot::dot;
 use crate::uncertainty::discrepancy::{ResidualTests, residual_tests};
 use crate::uncertainty::goodness::excess;
 
@@ -24,27 +25,30 @@ impl Neighbours {
     }
 }
 
-/// The lag-1 autocorrelation of the weighted residuals, in the order of the data, over all curves.
-pub(crate) fn neighbours(found: &Found<'_>, readings: &[FittedReading]) -> Neighbours {
-    let mut last: Vec<Option<f64>> = vec![None; found.plan.curves];
-    let (mut products, mut squares, mut pairs) = (0.0, 0.0, 0_u32);
-    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
-        squares += fitted.normalised * fitted.normalised;
-        if let Some(before) = last[planned.curve].replace(fitted.normalised) {
-            products += before * fitted.normalised;
-            pairs += 1;
-        }
+/// The residuals of each curve in the order of the data, in standard deviations.
+pub(crate) fn by_curve(found: &Found<'_>, readings: &[FittedReading]) -> Vec<Vec<f64>> {
+    if found.plan.curves == 1 {
+        return vec![readings.iter().map(|fitted| fitted.normalised).collect()];
     }
+    let mut curves: Vec<Vec<f64>> = vec![Vec::new(); found.plan.curves];
+    for (planned, fitted) in found.plan.readings().iter().zip(readings) {
+        curves[planned.curve].push(fitted.normalised);
+    }
+    curves
+}
+
+/// The lag-1 autocorrelation of the residuals of all curves.
+pub(crate) fn neighbours(curves: &[Vec<f64>]) -> Neighbours {
+    let squares: f64 = curves.iter().map(|own| dot(own, own)).sum();
+    let products: f64 = curves.iter().map(|own| dot(own, own.get(1..).unwrap_or_default())).sum();
+    #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
+    let pairs = curves.iter().map(|own| own.len().saturating_sub(1)).sum::<usize>() as f64;
     let value = if squares > 0.0 { products / squares } else { 0.0 };
-    Neighbours { value, deviations: value * f64::from(pairs).sqrt() }
+    Neighbours { value, deviations: value * pairs.sqrt() }
 }
 
 /// Tests of the residuals of each curve, with its number of readings.
-pub(crate) fn tests_by_curve(found: &Found<'_>, readings: &[FittedReading]) -> Vec<(ResidualTests, usize)> {
-    let mut curves: Vec<Vec<f64>> = vec![Vec::new(); found.plan.curves];
-    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
-        curves[planned.curve].push(fitted.normalised);
-    }
+pub(crate) fn tests_by_curve(curves: &[Vec<f64>]) -> Vec<(ResidualTests, usize)> {
     curves.iter().map(|residuals| (residual_tests(residuals), residuals.len())).collect()
 }
 

@@ -7,6 +7,7 @@ pub(crate) use kernels::residuals;
 use kernels::{Slopes, products, slopes};
 use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Runs shorter than this are joined, and their nodes listed.
 const SHORT: usize = 8;
@@ -44,16 +45,24 @@ pub(crate) struct Block {
     pub(crate) curve: usize,
 }
 
-/// All readings in runs.
-#[derive(Debug, Clone, Default)]
+/// All readings in runs, with their data.
+#[derive(Debug, Clone)]
 pub(crate) struct Rows {
+    layout: Arc<Layout>,
+    /// `1 / sigma`, or 1 where the data have none.
+    weights: Vec<f64>,
+    intensities: Vec<f64>,
+    /// Weight times intensity.
+    weighted: Vec<f64>,
+}
+
+/// What does not depend on the data.
+#[derive(Debug, Default)]
+struct Layout {
     runs: Vec<Run>,
     blocks: Vec<Block>,
     /// Neighbouring readings of one curve.
     spans: Vec<(usize, Range<usize>)>,
-    /// `1 / sigma`, and that times the intensity.
-    weights: Vec<f64>,
-    intensities: Vec<f64>,
 }
 
 /// What divides residuals, and the data over it.
@@ -85,9 +94,8 @@ pub(crate) struct TermSlopes<'a> {
     pub(crate) lobe_by_width: Option<&'a [f64]>,
 }
 
-impl Rows {
-    /// - `like`: for each curve one whose nuisances are the same; their readings make runs together.
-    pub(crate) fn new(readings: &[PlannedReading], like: &[usize]) -> Self {
+impl Layout {
+    fn new(readings: &[PlannedReading], like: &[usize]) -> Self {
         let curve_of = |reading: &PlannedReading| like.get(reading.curve).copied().unwrap_or(reading.curve);
         let mut runs: Vec<Run> = Vec::new();
         let mut first = 0;
@@ -129,39 +137,55 @@ impl Rows {
                 None => blocks.push(Block { runs: index..index + 1, rows: rows.clone(), curve: *curve }),
             }
         }
-        Self {
-            runs,
-            blocks,
-            spans: spans.collect(),
-            weights: readings.iter().map(|reading| reading.weight).collect(),
-            intensities: readings.iter().map(|reading| reading.weight * reading.intensity).collect(),
-        }
+        Self { spans: spans.collect(), runs, blocks }
+    }
+}
+
+impl Rows {
+    /// Of readings in order, not yet arranged.
+    pub(crate) fn of_data(weights: impl Iterator<Item = f64>, intensities: impl Iterator<Item = f64>) -> Self {
+        let (weights, intensities): (Vec<f64>, Vec<f64>) = (weights.collect(), intensities.collect());
+        let weighted = weights.iter().zip(&intensities).map(|(weight, intensity)| weight * intensity).collect();
+        Self { layout: Arc::default(), weights, intensities, weighted }
     }
 
-    /// Puts other weights and intensities in the place of those of the data.
-    pub(crate) fn set_readings(&mut self, readings: &[PlannedReading]) {
-        for ((weight, intensity), reading) in self.weights.iter_mut().zip(&mut self.intensities).zip(readings) {
-            (*weight, *intensity) = (reading.weight, reading.weight * reading.intensity);
-        }
+    /// - `like`: for each curve one whose nuisances are the same; their readings make runs together.
+    pub(crate) fn arrange(&mut self, readings: &[PlannedReading], like: &[usize]) {
+        self.layout = Arc::new(Layout::new(readings, like));
+    }
+
+    /// The same arrangement of other data.
+    pub(crate) fn with_data(&self, weights: impl Iterator<Item = f64>, intensities: impl Iterator<Item = f64>) -> Self {
+        Self { layout: Arc::clone(&self.layout), ..Self::of_data(weights, intensities) }
+    }
+
+    /// What multiplies each residual.
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The data.
+    pub(crate) fn intensities(&self) -> &[f64] {
+        &self.intensities
     }
 
     /// Neighbouring readings of one curve, and which it is.
     pub(crate) fn spans(&self) -> &[(usize, Range<usize>)] {
-        &self.spans
+        &self.layout.spans
     }
 
     /// All readings, some at a time.
     pub(crate) fn blocks(&self) -> &[Block] {
-        &self.blocks
+        &self.layout.blocks
     }
 
     /// With the square roots of further weights; empty for none.
     pub(crate) fn weighted(&self, robust: &[f64]) -> Weighted<'_> {
         if robust.is_empty() {
-            return Weighted { weights: Cow::Borrowed(&self.weights), intensities: Cow::Borrowed(&self.intensities) };
+            return Weighted { weights: Cow::Borrowed(&self.weights), intensities: Cow::Borrowed(&self.weighted) };
         }
         let times = |values: &[f64]| values.iter().zip(robust).map(|(value, root)| value * root).collect();
-        Weighted { weights: Cow::Owned(times(&self.weights)), intensities: Cow::Owned(times(&self.intensities)) }
+        Weighted { weights: Cow::Owned(times(&self.weights)), intensities: Cow::Owned(times(&self.weighted)) }
     }
 
     /// Both models at every reading.
@@ -175,28 +199,28 @@ impl Rows {
     pub(crate) fn renew(&self, terms: TermsView<'_>, weights: &[f64], parts: &mut WeightedParts) {
         parts.lamella.resize(weights.len(), 0.0);
         parts.multilayer.resize(weights.len(), 0.0);
-        products(&mut parts.lamella, weights, &self.runs, true, [terms.interference, terms.diffraction]);
-        products(&mut parts.multilayer, weights, &self.runs, false, [terms.stack, terms.lobe]);
+        products(&mut parts.lamella, weights, &self.layout.runs, true, [terms.interference, terms.diffraction]);
+        products(&mut parts.multilayer, weights, &self.layout.runs, false, [terms.stack, terms.lobe]);
     }
 
     /// Model A at every reading, with its share of the plane, times its weight.
     pub(crate) fn lamella(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; weights.len()];
-        products(&mut values, weights, &self.runs, true, [terms.interference, terms.diffraction]);
+        products(&mut values, weights, &self.layout.runs, true, [terms.interference, terms.diffraction]);
         values
     }
 
     /// The same of Model B.
     pub(crate) fn multilayer(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; weights.len()];
-        products(&mut values, weights, &self.runs, false, [terms.stack, terms.lobe]);
+        products(&mut values, weights, &self.layout.runs, false, [terms.stack, terms.lobe]);
         values
     }
 
     /// Neighbouring readings of one curve that see both models.
     pub(crate) fn crossed(&self) -> Vec<(usize, Range<usize>)> {
         let mut crossed: Vec<(usize, Range<usize>)> = Vec::new();
-        for run in self.runs.iter().filter(|run| run.share_a > 0.0 && run.share_b > 0.0) {
+        for run in self.layout.runs.iter().filter(|run| run.share_a > 0.0 && run.share_b > 0.0) {
             match crossed.last_mut() {
                 Some((curve, rows)) if *curve == run.curve && rows.end == run.rows.start => rows.end = run.rows.end,
                 _ => crossed.push((run.curve, run.rows.clone())),
@@ -223,7 +247,7 @@ impl Rows {
             lobe: [terms.lobe, by.lobe[0], by.lobe[1], by.lobe_by_width.unwrap_or(terms.lobe)],
             lobe_sees_width: by.lobe_by_width.is_some(),
         };
-        slopes(columns, &weights[block.rows.clone()], &self.runs[block.runs.clone()], &of);
+        slopes(columns, &weights[block.rows.clone()], &self.layout.runs[block.runs.clone()], &of);
     }
 }
 

@@ -12,10 +12,11 @@ use crate::inversion::outcome::{
 use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::problem::{Evaluation, Problem};
 use crate::inversion::quantity::indices;
-use crate::inversion::residuals::{curve_residuals, neighbours, tests_by_curve, worst_curve};
+use crate::inversion::residuals::{by_curve, curve_residuals, neighbours, tests_by_curve, worst_curve};
 use crate::inversion::settings::Search;
 use crate::inversion::undetermined::{Held, unit_of_residuals};
 use crate::inversion::{warnings, wording};
+use crate::numerics::dot::dot;
 use crate::optimise::Loss;
 use crate::uncertainty::discrepancy::is_noise;
 use crate::uncertainty::goodness::{excess, information_criteria};
@@ -49,9 +50,9 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let problem = Problem::new(found.compiled, found.space, found.robust);
     let point = problem.evaluate(&found.best.parameters)?;
     let mut readings = fitted_readings(found, &point);
-    let chi2: f64 = (found.plan.readings.iter().zip(&readings))
-        .map(|(planned, fitted)| (fitted.residual * planned.weight).powi(2))
-        .sum();
+    let weighted: Vec<f64> =
+        readings.iter().zip(found.plan.rows.weights()).map(|(fitted, weight)| fitted.residual * weight).collect();
+    let chi2 = dot(&weighted, &weighted);
     let in_use: Vec<usize> = (0..point.coefficients.len()).filter(|&i| point.coefficients[i] > 0.0).collect();
     let unknowns = found.space.freedom.free.len() + in_use.len();
     let dof = found.plan.len().saturating_sub(unknowns);
@@ -61,19 +62,19 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         Some(robust) => unit_of_residuals(found.data, robust.unit.powi(2) * dof as f64, dof),
         None => unit_of_residuals(found.data, chi2, dof),
     };
-    for (planned, fitted) in found.plan.readings.iter().zip(&mut readings) {
-        fitted.normalised = fitted.residual * planned.weight / unit;
+    for (weighted, fitted) in weighted.iter().zip(&mut readings) {
+        fitted.normalised = weighted / unit;
     }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let reduced = if dof > 0 { chi2 / dof as f64 } else { f64::NAN };
     let comparable = found.data.has_sigma() && found.settings.loss == Loss::Linear;
     let missed = comparable && excess(chi2, dof) > MISSED;
     let by_misfit = if missed { reduced.sqrt() } else { 1.0 };
-    let correlation_of_residuals = neighbours(found, &readings);
+    let residuals = by_curve(found, &readings);
+    let correlation_of_residuals = neighbours(&residuals);
     // Residuals far below the stated noise, or below rounding, are not the model's: they have no say.
-    let largest = found.data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
-    let told = if found.data.has_sigma() { reduced > UNHEARD } else { unit > ROUNDING * largest };
-    let tests = tests_by_curve(found, &readings);
+    let told = if found.data.has_sigma() { reduced > UNHEARD } else { unit > ROUNDING * found.data.largest() };
+    let tests = tests_by_curve(&residuals);
     // Residuals a little larger than stated that look like noise are noise: a factor mends it.
     let noise = is_noise(&tests, reduced / (unit * unit));
     let structured = told && (correlation_of_residuals.deviations > STRUCTURED || !noise);
@@ -94,7 +95,12 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let widened_by = by_misfit * by_structure * by_spread;
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
-    let gain = gain_over_constants(found, &readings) / (plain_unit * plain_unit);
+    let left = if found.robust.is_empty() {
+        chi2
+    } else {
+        weighted.iter().zip(found.robust).map(|(weighted, root)| (weighted * root).powi(2)).sum()
+    };
+    let gain = (about_constants(found) - left) / (plain_unit * plain_unit);
     #[allow(clippy::cast_precision_loss, reason = "a column count is small")]
     let by_luck = CHANCE + 2.0 * found.linear.columns.len().saturating_sub(3) as f64;
     let by_chance = gain < by_luck;
@@ -132,8 +138,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         let correlation = structured.then_some(correlation_of_residuals.value);
         warnings.push(wording::missed(times, correlation, bent, widened_by));
     }
-    if let Some(worst) = warnings::outlier(found, &readings, chi2).filter(|_| missed || by_chance) {
-        warnings.push(worst);
+    if missed || by_chance {
+        warnings.extend(warnings::outlier(found, &readings, chi2));
     }
     if !by_chance {
         warnings.extend(identifiability.undetermined.iter().cloned());
@@ -209,8 +215,8 @@ fn robust(found: &Found<'_>, readings: &[FittedReading], dof: usize) -> Option<R
         return None;
     }
     let (mut rho, mut pull, mut weight, mut slope) = (0.0, 0.0, 0.0, 0.0);
-    for (planned, fitted) in found.plan.readings.iter().zip(readings) {
-        let z = fitted.residual * planned.weight / scale;
+    for (fitted, own) in readings.iter().zip(found.plan.rows.weights()) {
+        let z = fitted.residual * own / scale;
         rho += loss.rho(z);
         pull += (z * loss.weight(z)).powi(2);
         weight += loss.weight(z);
@@ -223,32 +229,29 @@ fn robust(found: &Found<'_>, readings: &[FittedReading], dof: usize) -> Option<R
     Some(Robust { cost: scale * scale * rho, unit: scale * (pull / dof * (weight / n)).sqrt() / slope })
 }
 
-/// By how much the fit's weighted sum of squares is below that of the best constant; of one for each curve where the fit has
-/// something of its own for each. A robust loss weighs both as it weighs the fit.
-fn gain_over_constants(found: &Found<'_>, readings: &[FittedReading]) -> f64 {
+/// The weighted sum of squares about the best constant; about one for each curve where the fit has something of its own for each.
+/// A robust loss weighs it as it weighs the fit.
+fn about_constants(found: &Found<'_>) -> f64 {
     let nuisances = &found.settings.nuisances;
     let each = nuisances.scale == Extent::PerCurve || nuisances.background == Extent::PerCurve;
+    let weighted = found.plan.rows.weighted(found.robust);
     let mut sums = vec![(0.0, 0.0, 0.0); found.plan.curves];
-    let mut left = 0.0;
-    for (row, (reading, fitted)) in found.plan.readings.iter().zip(readings).enumerate() {
-        let weight = (reading.weight * found.robust.get(row).copied().unwrap_or(1.0)).powi(2);
-        let sum = &mut sums[if each { reading.curve } else { 0 }];
-        sum.0 += weight;
-        sum.1 += weight * reading.intensity;
-        sum.2 += weight * reading.intensity * reading.intensity;
-        left += weight * fitted.residual * fitted.residual;
+    for (curve, span) in found.plan.rows.spans() {
+        let [w, y] = [&weighted.weights, &weighted.intensities].map(|values| &values[span.clone()]);
+        let sum = &mut sums[if each { *curve } else { 0 }];
+        *sum = (sum.0 + dot(w, w), sum.1 + dot(w, y), sum.2 + dot(y, y));
     }
-    sums.iter().filter(|sum| sum.0 > 0.0).map(|(w, wy, wyy)| wyy - wy * wy / w).sum::<f64>() - left
+    sums.iter().filter(|sum| sum.0 > 0.0).map(|(w, wy, yy)| yy - wy * wy / w).sum()
 }
 
 fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> {
-    (found.plan.readings.iter())
-        .map(|reading| {
+    (found.plan.readings().iter().zip(found.plan.rows.intensities()))
+        .map(|(reading, intensity)| {
             let parts = found.plan.parts(reading, point.terms.view());
             let (on_a, on_b, background) = found.linear.factors(reading.curve, &point.coefficients);
             let (lamella, multilayer) = (on_a * parts.0, on_b * parts.1);
             let model = lamella + multilayer + background;
-            let residual = reading.intensity - model;
+            let residual = intensity - model;
             FittedReading { model, residual, normalised: f64::NAN, lamella, multilayer, background }
         })
         .collect()

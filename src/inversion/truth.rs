@@ -78,7 +78,7 @@ impl Truth {
         let at = problem.evaluate(&point)?;
         let (mut lamella, mut multilayer, mut background) = (Mean::default(), Mean::default(), Mean::default());
         let mut data = Vec::with_capacity(compiled.plan.len());
-        for reading in &compiled.plan.readings {
+        for reading in compiled.plan.readings() {
             let parts = compiled.plan.parts(reading, at.terms.view());
             data.push(compiled.linear.value(reading.curve, parts, &at.coefficients));
             let (on_a, on_b, below) = compiled.linear.factors(reading.curve, &at.coefficients);

@@ -50,7 +50,7 @@ pub(crate) fn unit_of_residuals(data: &Dataset, sum_of_squares: f64, dof: usize)
     }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let scatter = (sum_of_squares / dof as f64).sqrt();
-    let largest = data.readings().iter().map(|reading| reading.intensity.abs()).fold(0.0, f64::max);
+    let largest = data.largest();
     let least = if largest > 0.0 { EXACT * largest } else { EXACT };
     scatter.max(least)
 }

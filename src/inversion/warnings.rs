@@ -10,8 +10,7 @@ const OUTLIER: f64 = 0.5;
 
 /// A warning if one reading makes up most of chi².
 pub(crate) fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) -> Option<String> {
-    let sizes =
-        readings.iter().zip(&found.plan.readings).map(|(fitted, planned)| fitted.residual.abs() * planned.weight);
+    let sizes = readings.iter().zip(found.plan.rows.weights()).map(|(fitted, weight)| fitted.residual.abs() * weight);
     let (worst, size) = sizes.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let line = found.data.readings()[worst].line;
     let place = if line > 0 { format!("line {line}") } else { format!("reading {}", worst + 1) };

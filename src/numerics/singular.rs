@@ -24,7 +24,10 @@ pub fn right_singular(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f6
     if size <= 0.0 {
         return Some((DVector::zeros(n), DMatrix::identity(n, n)));
     }
-    let svd = (matrix / size).qr().r().try_svd(false, true, f64::EPSILON, 0)?;
+    let scaled = matrix / size;
+    let is_triangle = m == n && (0..n).all(|j| scaled.column(j).iter().skip(j + 1).all(|below| *below == 0.0));
+    let factor = if is_triangle { scaled } else { scaled.qr().r() };
+    let svd = factor.try_svd(false, true, f64::EPSILON, 0)?;
     Some((svd.singular_values * size, svd.v_t?))
 }
 

@@ -18,6 +18,7 @@
 //! The block jackknife: Wu 1986, DOI 10.1214/aos/1176350142; the runs test: Wald and Wolfowitz 1940,
 //! DOI 10.1214/aoms/1177731909.
 
+use crate::numerics::dot::dot;
 use crate::uncertainty::goodness::excess;
 use nalgebra::{DMatrix, DVector};
 
@@ -165,13 +166,19 @@ pub struct ResidualTests {
 /// ```
 #[must_use]
 pub fn residual_tests(residuals: &[f64]) -> ResidualTests {
-    let chi2: f64 = residuals.iter().map(|r| r * r).sum();
-    let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
-    let signs: Vec<bool> = residuals.iter().filter(|r| **r != 0.0).map(|r| *r > 0.0).collect();
-    let changes = signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
-    let above = signs.iter().filter(|sign| **sign).count();
+    let chi2 = dot(residuals, residuals);
+    let products = dot(residuals, residuals.get(1..).unwrap_or_default());
+    let (mut above, mut below, mut changes, mut last) = (0_usize, 0_usize, 0_usize, None);
+    for residual in residuals.iter().filter(|residual| **residual != 0.0) {
+        let sign = *residual > 0.0;
+        above += usize::from(sign);
+        below += usize::from(!sign);
+        // Without a branch: the signs of noise cannot be foreseen.
+        changes += usize::from(last.unwrap_or(sign) != sign);
+        last = Some(sign);
+    }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
-    let (a, b, runs) = (above as f64, (signs.len() - above) as f64, (changes + 1) as f64);
+    let (a, b, runs) = (above as f64, below as f64, (changes + 1) as f64);
     let n = a + b;
     let mean = 1.0 + 2.0 * a * b / n;
     let variance = (mean - 1.0) * (mean - 2.0) / (n - 1.0);

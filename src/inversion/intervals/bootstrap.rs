@@ -192,10 +192,10 @@ struct Draws {
 impl Draws {
     fn new(compiled: &Compiled<'_>, fit: &Fit) -> Self {
         let mut curves = vec![Vec::new(); compiled.plan.curves];
-        for (row, reading) in compiled.plan.readings.iter().enumerate() {
+        for (row, reading) in compiled.plan.readings().iter().enumerate() {
             curves[reading.curve].push(row);
         }
-        let deviations: Vec<f64> = compiled.plan.readings.iter().map(|reading| reading.weight.recip()).collect();
+        let deviations: Vec<f64> = compiled.plan.rows.weights().iter().map(|weight| weight.recip()).collect();
         let mut residuals: Vec<f64> =
             fit.readings.iter().zip(&deviations).map(|(row, sigma)| row.residual / sigma).collect();
         #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]

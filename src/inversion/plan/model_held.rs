@@ -31,19 +31,6 @@ impl Plan<'_> {
 
     /// The same plan with its model kept in it; `model` is that for which it was compiled.
     pub(crate) fn keeping(self, model: Arc<dyn ReflectivityModel>) -> Plan<'static> {
-        Plan {
-            model: ModelHeld::Kept(model),
-            stack: self.stack,
-            nodes: self.nodes,
-            half_kv: self.half_kv,
-            half_ku: self.half_ku,
-            obliquity: self.obliquity,
-            lobe: self.lobe,
-            product: self.product,
-            directions: self.directions,
-            readings: self.readings,
-            rows: self.rows,
-            curves: self.curves,
-        }
+        Plan { model: ModelHeld::Kept(model), points: self.points, rows: self.rows, curves: self.curves }
     }
 }

@@ -7,25 +7,25 @@ impl Plan<'_> {
     /// Number of readings.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.readings.len()
+        self.points.readings.len()
     }
 
     /// Whether there are no readings.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.readings.is_empty()
+        self.points.readings.is_empty()
     }
 
     /// Whether some reading sees Model A.
     #[must_use]
     pub fn has_lamella(&self) -> bool {
-        !self.half_kv.is_empty()
+        !self.points.half_kv.is_empty()
     }
 
     /// Whether some reading sees Model B.
     #[must_use]
     pub fn has_multilayer(&self) -> bool {
-        !self.stack.is_empty()
+        !self.points.stack.is_empty()
     }
 
     /// Whether some reading may depend on `parameter`.
@@ -39,11 +39,11 @@ impl Plan<'_> {
 
     /// Whether the model is one product: then the stack does not depend on the tilt, and the rest is the lobe.
     pub(crate) fn is_product(&self) -> bool {
-        !self.product.is_empty()
+        !self.points.product.is_empty()
     }
 
     /// Number of directions of incidence and view in which Model B is seen.
     pub(crate) fn directions(&self) -> usize {
-        self.directions
+        self.points.directions
     }
 }

@@ -55,24 +55,24 @@ pub(crate) struct LamellaSlopes {
 
 impl Plan<'_> {
     pub(crate) fn interference(&self, period: f64) -> Vec<f64> {
-        let mut values = vec![0.0; self.half_kv.len()];
-        lamella::interference(&self.half_kv, period, self.model.stack().layers, &mut values);
+        let mut values = vec![0.0; self.points.half_kv.len()];
+        lamella::interference(&self.points.half_kv, period, self.model.stack().layers, &mut values);
         values
     }
 
     pub(crate) fn diffraction(&self, lamella_width: f64) -> Vec<f64> {
-        let mut values = vec![0.0; self.half_ku.len()];
+        let mut values = vec![0.0; self.points.half_ku.len()];
         let factor = self.model.lamella_factor(lamella_width);
-        lamella::diffraction(&self.half_ku, &self.obliquity, lamella_width, factor, &mut values);
+        lamella::diffraction(&self.points.half_ku, &self.points.obliquity, lamella_width, factor, &mut values);
         values
     }
 
     /// NaN where the model has no answer, which a fit reads as a forbidden point.
     pub(crate) fn stack(&self, d_air: f64, d_cuticle: f64, delta: f64) -> Vec<f64> {
         let period = Period { cuticle: d_cuticle, gap: d_air };
-        let mut values = vec![f64::NAN; self.nodes];
+        let mut values = vec![f64::NAN; self.points.nodes];
         let mut both = Vec::new();
-        for run in &self.stack {
+        for run in &self.points.stack {
             both.clear();
             both.resize(run.wavenumbers.len(), SAndP::both(f64::NAN));
             let angle = if self.is_product() { run.angle } else { run.angle - delta };
@@ -92,9 +92,9 @@ impl Plan<'_> {
         let period = Period { cuticle: d_cuticle, gap: d_air };
         // Of a product the tilt moves the lobe alone.
         let product = self.is_product();
-        let mut slopes = [0, 1, 2].map(|_| DVector::zeros(self.nodes));
+        let mut slopes = [0, 1, 2].map(|_| DVector::zeros(self.points.nodes));
         let mut found = Vec::new();
-        for run in &self.stack {
+        for run in &self.points.stack {
             found.clear();
             found.resize(run.wavenumbers.len(), StackSlopes::default());
             let angle = if product { run.angle } else { run.angle - delta };
@@ -113,20 +113,20 @@ impl Plan<'_> {
     pub(crate) fn lobe(&self, delta: f64, phi_alpha: f64, lamella_width: f64) -> Vec<f64> {
         if let Join::Product { ridge_spacing } = self.model.join() {
             let of = structure(&[0.0, 0.0, delta, phi_alpha, lamella_width]);
-            return self.product.iter().map(|node| node.spread(&of, ridge_spacing)).collect();
+            return self.points.product.iter().map(|node| node.spread(&of, ridge_spacing)).collect();
         }
-        self.lobe.iter().map(|&(theta, phi)| lobe::lobe(theta, phi, delta, phi_alpha)).collect()
+        self.points.lobe.iter().map(|&(theta, phi)| lobe::lobe(theta, phi, delta, phi_alpha)).collect()
     }
 
     /// Derivatives of [`Plan::lobe`] by the tilt and the half-width, 1/rad, in exact form; `None` for a product, and
     /// with a direction next to the lobe's edge, where the slope jumps and a difference sees both sides.
     pub(crate) fn lobe_slopes(&self, delta: f64, phi_alpha: f64) -> Option<[DVector<f64>; 2]> {
         let at_edge = |&(theta, phi): &(f64, f64)| ((phi + theta - 2.0 * delta).abs() - phi_alpha).abs() < EDGE;
-        if self.lobe.iter().any(at_edge) {
+        if self.points.lobe.iter().any(at_edge) {
             return None;
         }
         let of = |&(theta, phi): &(f64, f64)| lobe::lobe_slopes(theta, phi, delta, phi_alpha);
-        let slopes: Vec<[f64; 2]> = self.lobe.iter().map(of).collect();
+        let slopes: Vec<[f64; 2]> = self.points.lobe.iter().map(of).collect();
         let by = |which: usize| DVector::from_iterator(slopes.len(), slopes.iter().map(|slopes| slopes[which]));
         (!self.is_product()).then(|| [0, 1].map(by))
     }
@@ -153,7 +153,8 @@ impl Plan<'_> {
     }
 
     fn renew_lamella(&self, [period, width]: [f64; 2], terms: &mut Terms, slopes: Option<&mut LamellaSlopes>) {
-        let (half_kv, half_ku, obliquity) = (&self.half_kv[..], &self.half_ku[..], &self.obliquity[..]);
+        let (half_kv, half_ku, obliquity) =
+            (&self.points.half_kv[..], &self.points.half_ku[..], &self.points.obliquity[..]);
         let (factor, layers) = (self.model.lamella_factor(width), self.model.stack().layers);
         let Terms { interference, diffraction, .. } = terms;
         interference.resize(half_kv.len(), 0.0);

@@ -5,16 +5,16 @@ use approx::assert_relative_eq;
 
 fn reading(nodes: [usize; 3], curve: usize, shares: (f64, f64)) -> PlannedReading {
     let [lamella, stack, lobe] = nodes;
-    PlannedReading {
-        lamella,
-        stack,
-        lobe,
-        share_a: shares.0,
-        share_b: shares.1,
-        intensity: 0.1 * (lamella + 2 * lobe) as f64,
-        weight: 1.0 + 0.25 * stack as f64,
-        curve,
-    }
+    PlannedReading { lamella, stack, lobe, share_a: shares.0, share_b: shares.1, curve }
+}
+
+/// Data of readings, and the rows of both.
+fn arranged(readings: &[PlannedReading], like: &[usize]) -> Rows {
+    let weights = readings.iter().map(|reading| 1.0 + 0.25 * reading.stack as f64);
+    let intensities = readings.iter().map(|reading| 0.1 * (reading.lamella + 2 * reading.lobe) as f64);
+    let mut rows = Rows::of_data(weights, intensities);
+    rows.arrange(readings, like);
+    rows
 }
 
 /// A grid, a spectrum, a shuffled curve and single readings of other planes.
@@ -41,9 +41,9 @@ fn wave(length: usize, phase: f64) -> Vec<f64> {
 #[test]
 fn runs_hold_every_reading_once_in_order() {
     let all = readings();
-    let rows = Rows::new(&all, &[0, 1, 2]);
+    let rows = arranged(&all, &[0, 1, 2]);
     let mut next = 0;
-    for run in &rows.runs {
+    for run in &rows.layout.runs {
         assert_eq!(run.rows.start, next);
         next = run.rows.end;
     }
@@ -52,14 +52,14 @@ fn runs_hold_every_reading_once_in_order() {
     assert_eq!(blocks, [0..60, 60..71, 71..102, 102..103]);
     // Curves with the same nuisances that take turns stand together.
     let turns: Vec<PlannedReading> = (0..40).map(|i| reading([i, 0, 0], i % 2, (0.5, 0.5))).collect();
-    assert_eq!(Rows::new(&turns, &[0, 0]).spans(), [(0, 0..40)]);
-    assert_eq!(Rows::new(&turns, &[0, 1]).spans().len(), 40);
+    assert_eq!(arranged(&turns, &[0, 0]).spans(), [(0, 0..40)]);
+    assert_eq!(arranged(&turns, &[0, 1]).spans().len(), 40);
     // A long run is cut.
-    let long = Rows::new(&vec![all[0]; 1100], &[0]);
+    let long = arranged(&vec![all[0]; 1100], &[0]);
     let lengths: Vec<usize> = long.blocks().iter().map(|block| block.rows.len()).collect();
     assert_eq!(lengths, [512, 512, 76]);
     // Three rows of the grid, the spectrum, the shuffled curve in one, and two single readings.
-    assert_eq!(rows.runs.len(), 7);
+    assert_eq!(rows.layout.runs.len(), 7);
     let spans: Vec<usize> = rows.spans().iter().map(|(curve, _)| *curve).collect();
     assert_eq!(spans, [0, 1, 2, 0]);
     assert_eq!(rows.crossed(), [(0, 0..60), (2, 71..101)]);
@@ -69,7 +69,7 @@ fn runs_hold_every_reading_once_in_order() {
 #[test]
 fn parts_and_slopes_are_those_of_each_reading() {
     let all = readings();
-    let rows = Rows::new(&all, &[0, 1, 2]);
+    let rows = arranged(&all, &[0, 1, 2]);
     let robust: Vec<f64> = wave(all.len(), 2.0).iter().map(|x| 0.5 + x * x).collect();
     let weighted = rows.weighted(&robust);
     let (p, d, r, l) = (wave(60, 0.1), wave(60, 0.2), wave(11, 0.3), wave(20, 0.4));
@@ -99,12 +99,12 @@ fn parts_and_slopes_are_those_of_each_reading() {
         residuals(&mut left[span.clone()], factors[*curve], [&a, &b], [&w, &y]);
     }
     for (row, reading) in all.iter().enumerate() {
-        let w = reading.weight * robust[row];
+        let w = rows.weights()[row] * robust[row];
         let (on_a, on_b, background) = factors[reading.curve];
         let (a, b) = (w * on_a * reading.share_a, w * on_b * reading.share_b);
         let (i, j, k) = (reading.lamella, reading.stack, reading.lobe);
         let value = a * p[i] * d[i] + b * r[j] * l[k];
-        assert_relative_eq!(left[row], value + w * (background - reading.intensity), epsilon = 1e-14);
+        assert_relative_eq!(left[row], value + w * (background - rows.intensities()[row]), epsilon = 1e-14);
         let expected = [
             a * lamella[0][i] * d[i] + b * stack[0][j] * l[k],
             a * lamella[0][i] * d[i] + b * stack[1][j] * l[k],
@@ -127,7 +127,7 @@ fn runs_of_any_length_are_those_of_each_reading() {
             for shares in [(0.25, 0.75), (0.0, 1.0), (1.0, 0.0)] {
                 let all: Vec<PlannedReading> =
                     (0..length).map(|i| reading([1 + i, of_stack(i), of_lobe(i)], 0, shares)).collect();
-                let rows = Rows::new(&all, &[0]);
+                let rows = arranged(&all, &[0]);
                 let seen = |share: f64, phase: f64| if share > 0.0 { wave(20, phase) } else { vec![f64::NAN; 20] };
                 let [p, d, by_p, by_d] = [0.1, 0.2, 0.3, 0.4].map(|phase| seen(shares.0, phase));
                 let [r, r_a, r_c, r_t, l, l_t, l_h] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1].map(|x| seen(shares.1, x));
@@ -147,7 +147,7 @@ fn runs_of_any_length_are_those_of_each_reading() {
                 }
                 for (i, reading) in all.iter().enumerate() {
                     let (n, j, k) = (reading.lamella, reading.stack, reading.lobe);
-                    let of = |share: f64, value: f64| if share > 0.0 { reading.weight * share * value } else { 0.0 };
+                    let of = |share: f64, value: f64| if share > 0.0 { rows.weights()[i] * share * value } else { 0.0 };
                     let (a, b) = (|value| of(shares.0, value), |value| of(shares.1, value));
                     assert_relative_eq!(parts.lamella[i], a(p[n] * d[n]), epsilon = 1e-14);
                     assert_relative_eq!(parts.multilayer[i], b(r[j] * l[k]), epsilon = 1e-14);

@@ -88,7 +88,12 @@ pub(crate) fn means(
     out: &mut [f64],
 ) {
     let of = |rule| Fixed::new(&Admittances::each(media, &incidence.cosines, rule));
-    mean(&[Row { y: Rules::Each.each().map(of), paths: Paths::new(media, incidence, period) }], wavenumbers, layers, out);
+    mean(
+        &[Row { y: Rules::Each.each().map(of), paths: Paths::new(media, incidence, period) }],
+        wavenumbers,
+        layers,
+        out,
+    );
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
@@ -162,12 +167,7 @@ fn one_of<const FUSED: bool, const N: usize>(
 }
 
 #[inline(always)]
-fn values_of_both<const FUSED: bool>(
-    rows: &[Row<Fixed>],
-    wavenumbers: &[f64],
-    layers: usize,
-    out: &mut [impl Answer],
-) {
+fn values_of_both<const FUSED: bool>(rows: &[Row<Fixed>], wavenumbers: &[f64], layers: usize, out: &mut [impl Answer]) {
     along!(wavenumbers.len(), block_of_both::<FUSED>(rows, wavenumbers, layers, out));
 }
 

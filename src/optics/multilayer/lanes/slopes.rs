@@ -95,10 +95,7 @@ fn block_of_both<const FUSED: bool, const N: usize>(
     let [s, p] = if let [Row { y: [s, p], paths }] = rows {
         let phases = Phases::new::<FUSED>(&k, &Same(*paths));
         let paths = Same(*paths);
-        [
-            phases.slopes::<FUSED>(&Same(*s), &paths, &k, layers),
-            phases.slopes::<FUSED>(&Same(*p), &paths, &k, layers),
-        ]
+        [phases.slopes::<FUSED>(&Same(*s), &paths, &k, layers), phases.slopes::<FUSED>(&Same(*p), &paths, &k, layers)]
     } else {
         let (s, p, paths) = rows_of::<_, N>(rows, first);
         let phases = Phases::new::<FUSED>(&k, &paths);
