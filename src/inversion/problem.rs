@@ -86,7 +86,9 @@ impl<'a> Problem<'a> {
         let (mut terms, mut parts, memory) =
             old.map_or_else(Default::default, |old| (old.terms, old.parts, old.lamella_slopes));
         let mut lamella_slopes = with_slopes.then(|| memory.unwrap_or_default());
-        self.plan.renew(&values, &mut terms, lamella_slopes.as_mut());
+        if !self.plan.renew(&values, &mut terms, lamella_slopes.as_mut()) {
+            lamella_slopes = None;
+        }
         self.plan.rows.renew(terms.view(), &self.weighted.weights, &mut parts);
         let equations = (!self.linear.columns.is_empty())
             .then(|| self.linear.normal_equations(&self.plan.rows, &parts, &self.weighted));
@@ -116,32 +118,25 @@ impl<'a> Problem<'a> {
         self.space.freedom.moves(of).then(|| derivative(along, at, of.typical_change(), of.domain()))
     }
 
-    /// Derivatives of Model A's terms at `point`.
+    /// Derivatives of Model A at `point`.
     fn lamella_slopes<'p>(&self, point: &'p Evaluation) -> Cow<'p, LamellaSlopes> {
-        let (plan, [d_air, d_cuticle, .., width]) = (self.plan, point.values);
-        let of_exact = || match &point.lamella_slopes {
-            Some(known) => Cow::Borrowed(known),
-            None => Cow::Owned(plan.lamella_slopes(&point.values)),
-        };
-        let exact = (self.derivative == Derivative::Exact).then(of_exact);
-        let mut slopes = match exact {
-            Some(exact) if exact.has_period => return exact,
-            Some(by_width_alone) => by_width_alone.into_owned(),
-            None => LamellaSlopes::default(),
-        };
-        // What does not move has no slope.
-        let none = || DVector::zeros(point.terms.interference.len());
-        if slopes.by_width.is_empty() {
-            let by_width = self.difference(Parameter::LamellaWidth, width, |x| plan.diffraction(x));
-            slopes.by_width = by_width.unwrap_or_else(none).data.into();
+        if let Some(known) = &point.lamella_slopes {
+            return Cow::Borrowed(known);
         }
-        let moves = [Parameter::DAir, Parameter::DCuticle].map(|parameter| self.space.freedom.moves(parameter));
-        let along = |x| DVector::from_vec(plan.interference(x));
-        let by_period = moves
-            .contains(&true)
-            .then(|| derivative(along, d_air + d_cuticle, Parameter::DAir.typical_change(), (0.0, f64::INFINITY)));
-        slopes.by_period = by_period.unwrap_or_else(none).data.into();
-        Cow::Owned(slopes)
+        let (plan, [d_air, d_cuticle, .., width]) = (self.plan, point.values);
+        let period = d_air + d_cuticle;
+        let exact = (self.derivative == Derivative::Exact).then(|| plan.lamella_slopes(period, width)).flatten();
+        Cow::Owned(exact.unwrap_or_else(|| {
+            // What does not move has no slope.
+            let none = || DVector::zeros(point.terms.lamella.len());
+            let moves = [Parameter::DAir, Parameter::DCuticle].map(|parameter| self.space.freedom.moves(parameter));
+            let along = |x| DVector::from_vec(plan.lamella(x, width));
+            let step = Parameter::DAir.typical_change();
+            let by_period = moves.contains(&true).then(|| derivative(along, period, step, (0.0, f64::INFINITY)));
+            let by_width = self.difference(Parameter::LamellaWidth, width, |x| plan.lamella(period, x));
+            let list = |slopes: Option<DVector<f64>>| slopes.unwrap_or_else(none).data.into();
+            LamellaSlopes { by_period: list(by_period), by_width: list(by_width) }
+        }))
     }
 
     /// The derivatives of each term at `point` by each parameter it depends on.

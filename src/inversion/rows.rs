@@ -4,7 +4,7 @@ mod kernels;
 
 use crate::inversion::plan::{PlannedReading, TermsView};
 pub(crate) use kernels::residuals;
-use kernels::{Slopes, products, slopes};
+use kernels::{Slopes, lamellae, multilayers, slopes};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -84,7 +84,7 @@ pub(crate) struct WeightedParts {
 /// Derivatives of the terms at a plan's nodes, 0 where a parameter does not move.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TermSlopes<'a> {
-    /// The interference by the period, the diffraction by the width of the lamellae.
+    /// Model A by the period and by the width of the lamellae.
     pub(crate) lamella: [&'a [f64]; 2],
     /// By `d_air`, `d_cuticle` and the tilt.
     pub(crate) stack: [&'a [f64]; 3],
@@ -199,21 +199,21 @@ impl Rows {
     pub(crate) fn renew(&self, terms: TermsView<'_>, weights: &[f64], parts: &mut WeightedParts) {
         parts.lamella.resize(weights.len(), 0.0);
         parts.multilayer.resize(weights.len(), 0.0);
-        products(&mut parts.lamella, weights, &self.layout.runs, true, [terms.interference, terms.diffraction]);
-        products(&mut parts.multilayer, weights, &self.layout.runs, false, [terms.stack, terms.lobe]);
+        lamellae(&mut parts.lamella, weights, &self.layout.runs, terms.lamella);
+        multilayers(&mut parts.multilayer, weights, &self.layout.runs, [terms.stack, terms.lobe]);
     }
 
     /// Model A at every reading, with its share of the plane, times its weight.
     pub(crate) fn lamella(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; weights.len()];
-        products(&mut values, weights, &self.layout.runs, true, [terms.interference, terms.diffraction]);
+        lamellae(&mut values, weights, &self.layout.runs, terms.lamella);
         values
     }
 
     /// The same of Model B.
     pub(crate) fn multilayer(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; weights.len()];
-        products(&mut values, weights, &self.layout.runs, false, [terms.stack, terms.lobe]);
+        multilayers(&mut values, weights, &self.layout.runs, [terms.stack, terms.lobe]);
         values
     }
 
@@ -242,7 +242,7 @@ impl Rows {
     ) {
         let of = Slopes {
             factors,
-            lamella: [terms.interference, terms.diffraction, by.lamella[0], by.lamella[1]],
+            lamella: by.lamella,
             stack: [terms.stack, by.stack[0], by.stack[1], by.stack[2]],
             lobe: [terms.lobe, by.lobe[0], by.lobe[1], by.lobe_by_width.unwrap_or(terms.lobe)],
             lobe_sees_width: by.lobe_by_width.is_some(),

@@ -318,8 +318,11 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
                     &own_slit
                 }
             };
-            let terms = TermsView { interference, diffraction, stack, lobe };
-            let lamella = lamellae.entry([period, lamella_width].map(key)).or_insert_with(|| screening.lamella(terms));
+            let lamella = lamellae.entry([period, lamella_width].map(key)).or_insert_with(|| {
+                let product: Vec<f64> = interference.iter().zip(diffraction).map(|(array, slit)| array * slit).collect();
+                screening.lamella(TermsView { lamella: &product, stack, lobe })
+            });
+            let terms = TermsView { lamella: &[], stack, lobe };
             let multilayer =
                 multilayers.entry(([air, cuticle], lobe_key)).or_insert_with(|| screening.multilayer(terms));
             equations.clear();

@@ -18,7 +18,7 @@ use std::f64::consts::{PI, TAU};
 /// `M²/3`, to 1e-14 here.
 pub(crate) const CHEBYSHEV_LAYERS: usize = 16;
 /// Nodes that go together.
-const BLOCK: usize = 32;
+const BLOCK: usize = 8;
 /// Below this argument the slope of a slit is taken by its series.
 const SERIES: f64 = 0.05;
 
@@ -81,8 +81,8 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
     }
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
     let per_count = 1.0 / layers.max(1) as f64;
-    for (nodes, out) in half_kv.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-        let phases = padded(nodes);
+    for (number, out) in out.chunks_mut(BLOCK).enumerate() {
+        let phases = padded(half_kv, number * BLOCK, out.len());
         let mut twice_cos = [0.0; BLOCK];
         for lane in 0..BLOCK {
             twice_cos[lane] = 2.0 * sin_cos_fused::<FUSED>(phases[lane] * period).1;
@@ -99,13 +99,13 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
     }
 }
 
-/// The nodes of a block, and zeros.
+/// The `length` nodes of a block from `first` on, and zeros.
 #[inline(always)]
-fn padded(nodes: &[f64]) -> [f64; BLOCK] {
+fn padded(nodes: &[f64], first: usize, length: usize) -> [f64; BLOCK] {
     let mut block = [0.0; BLOCK];
-    match <&[f64; BLOCK]>::try_from(nodes) {
-        Ok(whole) => block = *whole,
-        Err(_) => block[..nodes.len()].copy_from_slice(nodes),
+    match nodes.get(first..first + BLOCK) {
+        Some(whole) => block.copy_from_slice(whole),
+        None => block[..length].copy_from_slice(&nodes[first..first + length]),
     }
     block
 }
@@ -131,97 +131,136 @@ fn diffraction_of<const FUSED: bool>(
     }
 }
 
-/// [`interference`] to the same bits, and its derivatives by the period, 1/nm; `false`, and nothing written, above
-/// [`CHEBYSHEV_LAYERS`].
-#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
-pub(crate) fn interference_and_slopes(
-    half_kv: &[f64],
-    period: f64,
-    layers: usize,
-    out: &mut [f64],
-    slopes: &mut [f64],
-) -> bool {
-    if layers <= CHEBYSHEV_LAYERS {
-        fused_or_not!(interference_and_slopes_of(half_kv, period, layers, out, slopes));
+/// The nodes of many readings, each of the same length.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LamellaNodes<'a> {
+    pub(crate) half_kv: &'a [f64],
+    pub(crate) half_ku: &'a [f64],
+    pub(crate) obliquity: &'a [f64],
+}
+
+/// What Model A is asked for: `factor` with its derivative by the width.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lamella {
+    pub(crate) period: f64,
+    pub(crate) layers: usize,
+    pub(crate) width: f64,
+    pub(crate) factor: (f64, f64),
+}
+
+/// The product of [`interference`] and [`diffraction`] at many nodes, into `out`, as long as these.
+pub(crate) fn intensity(nodes: LamellaNodes<'_>, of: Lamella, out: &mut [f64]) {
+    if of.layers <= CHEBYSHEV_LAYERS {
+        return chebyshev_intensity(nodes, of, out);
     }
-    layers <= CHEBYSHEV_LAYERS
+    diffraction(nodes.half_ku, nodes.obliquity, of.width, of.factor.0, out);
+    for (out, half_kv) in out.iter_mut().zip(nodes.half_kv) {
+        *out *= array_factor(half_kv * of.period, of.layers).powi(2);
+    }
+}
+
+/// [`intensity`] to the same bits, and its derivatives by the period and by the width of the lamella, 1/nm; `false`, and nothing
+/// written, above [`CHEBYSHEV_LAYERS`].
+pub(crate) fn intensity_and_slopes(
+    nodes: LamellaNodes<'_>,
+    of: Lamella,
+    out: &mut [f64],
+    slopes: [&mut [f64]; 2],
+) -> bool {
+    if of.layers <= CHEBYSHEV_LAYERS {
+        chebyshev_intensity_and_slopes(nodes, of, out, slopes);
+    }
+    of.layers <= CHEBYSHEV_LAYERS
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
+fn chebyshev_intensity(nodes: LamellaNodes<'_>, of: Lamella, out: &mut [f64]) {
+    fused_or_not!(values_of(nodes, of, out));
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
+fn chebyshev_intensity_and_slopes(nodes: LamellaNodes<'_>, of: Lamella, out: &mut [f64], slopes: [&mut [f64]; 2]) {
+    fused_or_not!(values_and_slopes_of(nodes, of, out, slopes));
 }
 
 #[inline(always)]
-fn interference_and_slopes_of<const FUSED: bool>(
-    half_kv: &[f64],
-    period: f64,
-    layers: usize,
+fn values_of<const FUSED: bool>(nodes: LamellaNodes<'_>, of: Lamella, out: &mut [f64]) {
+    for (number, out) in out.chunks_mut(BLOCK).enumerate() {
+        let [found, ..] = block::<FUSED, false>(nodes, of, number * BLOCK, out.len());
+        out.copy_from_slice(&found[..out.len()]);
+    }
+}
+
+#[inline(always)]
+fn values_and_slopes_of<const FUSED: bool>(
+    nodes: LamellaNodes<'_>,
+    of: Lamella,
     out: &mut [f64],
-    slopes: &mut [f64],
+    [by_period, by_width]: [&mut [f64]; 2],
 ) {
+    let slopes = by_period.chunks_mut(BLOCK).zip(by_width.chunks_mut(BLOCK));
+    for (number, (out, (by_period, by_width))) in out.chunks_mut(BLOCK).zip(slopes).enumerate() {
+        let [found, period, width] = block::<FUSED, true>(nodes, of, number * BLOCK, out.len());
+        out.copy_from_slice(&found[..out.len()]);
+        by_period.copy_from_slice(&period[..out.len()]);
+        by_width.copy_from_slice(&width[..out.len()]);
+    }
+}
+
+/// Values of the `length` nodes from `first` on, and if `SLOPES` their derivatives by the period and the width.
+#[inline(always)]
+fn block<const FUSED: bool, const SLOPES: bool>(
+    nodes: LamellaNodes<'_>,
+    of: Lamella,
+    first: usize,
+    length: usize,
+) -> [[f64; BLOCK]; 3] {
+    // One by one: what closures do in other functions is not compiled for vector instructions.
+    let (k_v, k_u) = (padded(nodes.half_kv, first, length), padded(nodes.half_ku, first, length));
+    let obliquity = padded(nodes.obliquity, first, length);
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
-    let per_count = 1.0 / layers.max(1) as f64;
-    for ((nodes, out), slopes) in half_kv.chunks(BLOCK).zip(out.chunks_mut(BLOCK)).zip(slopes.chunks_mut(BLOCK)) {
-        let (mut twice_cos, mut twice_sin) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let phases = padded(nodes);
+    let per_count = 1.0 / of.layers.max(1) as f64;
+    let (mut twice_cos, mut twice_sin) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for lane in 0..BLOCK {
+        let (sin, cos) = sin_cos_fused::<FUSED>(k_v[lane] * of.period);
+        (twice_sin[lane], twice_cos[lane]) = (2.0 * sin, 2.0 * cos);
+    }
+    // U_(M-1) and its derivative by the cosine's double.
+    let (mut u, mut before) = ([1.0; BLOCK], [0.0; BLOCK]);
+    let (mut by_u, mut by_before) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for _ in 1..of.layers {
         for lane in 0..BLOCK {
-            let (sin, cos) = sin_cos_fused::<FUSED>(phases[lane] * period);
-            (twice_sin[lane], twice_cos[lane]) = (2.0 * sin, 2.0 * cos);
-        }
-        // U_(M-1) and its derivative by the cosine's double.
-        let (mut u, mut before) = ([1.0; BLOCK], [0.0; BLOCK]);
-        let (mut by_u, mut by_before) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for _ in 1..layers {
-            for lane in 0..BLOCK {
-                let next = mul_add::<FUSED>(twice_cos[lane], u[lane], -before[lane]);
+            let next = mul_add::<FUSED>(twice_cos[lane], u[lane], -before[lane]);
+            if SLOPES {
                 let by_next = mul_add::<FUSED>(twice_cos[lane], by_u[lane], u[lane] - by_before[lane]);
-                (u[lane], before[lane]) = (next, u[lane]);
                 (by_u[lane], by_before[lane]) = (by_next, by_u[lane]);
             }
+            (u[lane], before[lane]) = (next, u[lane]);
         }
-        let (mut square, mut slope) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for lane in 0..BLOCK {
-            let amplitude = u[lane] * per_count;
-            square[lane] = amplitude * amplitude;
-            slope[lane] = -2.0 * amplitude * (by_u[lane] * per_count) * twice_sin[lane] * phases[lane];
-        }
-        out.copy_from_slice(&square[..nodes.len()]);
-        slopes.copy_from_slice(&slope[..nodes.len()]);
     }
-}
-
-/// [`diffraction`] to the same bits, and its derivatives by the width of the lamella, 1/nm; `factor` with its own.
-#[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
-pub(crate) fn diffraction_and_slopes(
-    half_ku: &[f64],
-    obliquity: &[f64],
-    lamella_width: f64,
-    factor: (f64, f64),
-    out: &mut [f64],
-    slopes: &mut [f64],
-) {
-    fused_or_not!(diffraction_and_slopes_of(half_ku, obliquity, lamella_width, factor, out, slopes));
-}
-
-#[inline(always)]
-fn diffraction_and_slopes_of<const FUSED: bool>(
-    half_ku: &[f64],
-    obliquity: &[f64],
-    lamella_width: f64,
-    (factor, factor_slope): (f64, f64),
-    out: &mut [f64],
-    slopes: &mut [f64],
-) {
-    for (((square, slope), &half_ku), &obliquity) in out.iter_mut().zip(slopes).zip(half_ku).zip(obliquity) {
-        let y = half_ku * lamella_width;
+    let (mut found, mut by_period, mut by_width) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+    for lane in 0..BLOCK {
+        let y = k_u[lane] * of.width;
         let at_zero = y.abs() < f64::MIN_POSITIVE;
         let safe = if at_zero { 1.0 } else { y };
         let (sin, cos) = sin_cos_fused::<FUSED>(safe);
         let ratio = 1.0 / safe;
         let slit = if at_zero { 1.0 } else { sin * ratio };
-        // (y cos y - sin y) / y², which cancels where y is small
-        let z = y * y;
-        let inner = 1.0 - z * (1.0 / 10.0) * (1.0 - z * (1.0 / 28.0) * (1.0 - z * (1.0 / 54.0)));
-        let by_y = if y.abs() < SERIES { -y * (1.0 / 3.0) * inner } else { (cos - slit) * ratio };
-        *square = factor * obliquity * (slit * slit);
-        *slope = obliquity * (factor_slope * slit * slit + factor * 2.0 * slit * by_y * half_ku);
+        let amplitude = u[lane] * per_count;
+        let (array, open) = (amplitude * amplitude, of.factor.0 * obliquity[lane] * (slit * slit));
+        found[lane] = array * open;
+        if SLOPES {
+            // (y cos y - sin y) / y², which cancels where y is small
+            let z = y * y;
+            let inner = 1.0 - z * (1.0 / 10.0) * (1.0 - z * (1.0 / 28.0) * (1.0 - z * (1.0 / 54.0)));
+            let by_y = if y.abs() < SERIES { -y * (1.0 / 3.0) * inner } else { (cos - slit) * ratio };
+            let by_array = -2.0 * amplitude * (by_u[lane] * per_count) * twice_sin[lane] * k_v[lane];
+            by_period[lane] = by_array * open;
+            let by_open = of.factor.1 * slit * slit + of.factor.0 * 2.0 * slit * by_y * k_u[lane];
+            by_width[lane] = array * (obliquity[lane] * by_open);
+        }
     }
+    [found, by_period, by_width]
 }
 
 /// `sin(y) / y` up to sign, the amplitude of a slit; 1 at `y = 0`.
@@ -292,11 +331,11 @@ mod tests {
         list
     }
 
-    /// Two of them.
-    fn both_filled(length: usize, fill: impl FnOnce(&mut [f64], &mut [f64])) -> [Vec<f64>; 2] {
-        let mut second = vec![f64::NAN; length];
-        let first = filled(length, |first| fill(first, &mut second));
-        [first, second]
+    /// Values and both slopes.
+    fn all_filled(length: usize, fill: impl FnOnce(&mut [f64], [&mut [f64]; 2])) -> [Vec<f64>; 3] {
+        let (mut by_period, mut by_width) = (vec![f64::NAN; length], vec![f64::NAN; length]);
+        let values = filled(length, |values| fill(values, [&mut by_period, &mut by_width]));
+        [values, by_period, by_width]
     }
 
     /// Blocks and their rest, fused and portable, against one node at a time.
@@ -306,81 +345,73 @@ mod tests {
             let half_kv: Vec<f64> = (0..length).map(|i| f64::from(i) * 1.3e-3).chain([0.0, PI / 235.0]).collect();
             let small = SERIES / 300.0;
             let half_ku: Vec<f64> = (0..length).map(|i| f64::from(i) * 2e-4).chain([1e-300, 0.999 * small]).collect();
-            let (obliquity, nodes) = (vec![0.9; half_ku.len()], half_ku.len());
+            let (obliquity, count) = (vec![0.9; half_ku.len()], half_ku.len());
+            let nodes = LamellaNodes { half_kv: &half_kv, half_ku: &half_ku, obliquity: &obliquity };
+            let open = filled(count, |out| diffraction(&half_ku, &obliquity, 300.0, 2.0, out));
+            let portable_open = filled(count, |out| diffraction_of::<false>(&half_ku, &obliquity, 300.0, 2.0, out));
             for layers in [0, 1, 2, 9, 16, 17] {
-                let fused = filled(nodes, |out| interference(&half_kv, 235.0, layers, out));
-                let portable = filled(nodes, |out| interference_of::<false>(&half_kv, 235.0, layers, out));
-                for ((fused, portable), &half_kv) in fused.iter().zip(portable).zip(&half_kv) {
-                    let one = LamellaNode { half_kv, half_ku: 0.0, obliquity: 1.0 }.interference(235.0, layers);
-                    assert_abs_diff_eq!(*fused, one, epsilon = 1e-13);
-                    assert_abs_diff_eq!(portable, one, epsilon = 1e-13);
+                let of = Lamella { period: 235.0, layers, width: 300.0, factor: (2.0, 0.1) };
+                let array = filled(count, |out| interference(&half_kv, 235.0, layers, out));
+                let portable = filled(count, |out| interference_of::<false>(&half_kv, 235.0, layers, out));
+                let product = filled(count, |out| intensity(nodes, of, out));
+                for i in 0..count {
+                    let one = LamellaNode { half_kv: half_kv[i], half_ku: half_ku[i], obliquity: 0.9 };
+                    let [of_array, of_slit] = [one.interference(235.0, layers), 1.8 * one.diffraction(300.0)];
+                    assert_abs_diff_eq!(array[i], of_array, epsilon = 1e-13);
+                    assert_abs_diff_eq!(portable[i], of_array, epsilon = 1e-13);
+                    assert_abs_diff_eq!(open[i], of_slit, epsilon = 1e-14);
+                    assert_abs_diff_eq!(portable_open[i], of_slit, epsilon = 1e-14);
+                    assert_abs_diff_eq!(product[i], of_array * of_slit, epsilon = 2e-13);
                 }
-                let [value, slopes] = both_filled(nodes, |out, slopes| {
-                    assert_eq!(interference_and_slopes(&half_kv, 235.0, layers, out, slopes), layers <= 16);
+                let all = all_filled(count, |out, slopes| {
+                    assert_eq!(intensity_and_slopes(nodes, of, out, slopes), layers <= CHEBYSHEV_LAYERS);
                 });
                 if layers <= CHEBYSHEV_LAYERS {
-                    assert_eq!(value, fused);
-                    let [_, portable] = both_filled(nodes, |out, slopes| {
-                        interference_and_slopes_of::<false>(&half_kv, 235.0, layers, out, slopes);
-                    });
-                    for (fused, portable) in slopes.iter().zip(portable) {
-                        assert_abs_diff_eq!(*fused, portable, epsilon = 1e-12);
+                    assert_eq!(all[0], product);
+                    let portable =
+                        all_filled(count, |out, slopes| values_and_slopes_of::<false>(nodes, of, out, slopes));
+                    for (fused, portable) in all.iter().flatten().zip(portable.iter().flatten()) {
+                        assert_abs_diff_eq!(fused, portable, epsilon = 2e-12);
                     }
                 }
-            }
-            let fused = filled(nodes, |out| diffraction(&half_ku, &obliquity, 300.0, 2.0, out));
-            let portable = filled(nodes, |out| diffraction_of::<false>(&half_ku, &obliquity, 300.0, 2.0, out));
-            for ((fused, portable), &half_ku) in fused.iter().zip(portable).zip(&half_ku) {
-                let one = 1.8 * LamellaNode { half_kv: 0.0, half_ku, obliquity: 1.0 }.diffraction(300.0);
-                assert_abs_diff_eq!(*fused, one, epsilon = 1e-14);
-                assert_abs_diff_eq!(portable, one, epsilon = 1e-14);
-            }
-            let [value, slopes] = both_filled(nodes, |out, slopes| {
-                diffraction_and_slopes(&half_ku, &obliquity, 300.0, (2.0, 0.1), out, slopes);
-            });
-            assert_eq!(value, fused);
-            let [_, portable] = both_filled(nodes, |out, slopes| {
-                diffraction_and_slopes_of::<false>(&half_ku, &obliquity, 300.0, (2.0, 0.1), out, slopes);
-            });
-            for (fused, portable) in slopes.iter().zip(portable) {
-                assert_abs_diff_eq!(*fused, portable, epsilon = 1e-13);
             }
         }
     }
 
     #[test]
     fn slopes_are_differences_of_the_values() {
-        let nodes: Vec<f64> = (0..200).map(|i| 1e-6 * f64::from(i * i)).collect();
-        let (obliquity, count) = (vec![0.9; nodes.len()], nodes.len());
-        let by = |function: &dyn Fn(f64, &mut [f64]), at: f64| -> Vec<f64> {
+        // Both sides of the slit's series: y from 0 to 12.
+        let half_kv: Vec<f64> = (0..200).map(|i| 1e-6 * f64::from(i * i)).collect();
+        let half_ku: Vec<f64> = (0..200).map(|i| 1e-6 * f64::from(i * (i + 1))).collect();
+        let (obliquity, count) = (vec![0.9; half_kv.len()], half_kv.len());
+        let nodes = LamellaNodes { half_kv: &half_kv, half_ku: &half_ku, obliquity: &obliquity };
+        let differences = |function: &dyn Fn(f64, &mut [f64]), at: f64| -> Vec<f64> {
             let [far_below, below, above, far_above] =
                 [-2.0, -1.0, 1.0, 2.0].map(|steps| filled(count, |out| function(at + 0.01 * steps, out)));
             (0..below.len()).map(|i| (8.0 * (above[i] - below[i]) - (far_above[i] - far_below[i])) / 0.12).collect()
         };
-        for layers in [1, 2, 9, 16] {
-            let [_, exact] = both_filled(count, |out, slopes| {
-                interference_and_slopes(&nodes, 235.0, layers, out, slopes);
-            });
-            let values = by(&|period, out| interference(&nodes, period, layers, out), 235.0);
-            for (exact, expected) in exact.iter().zip(values) {
-                assert_abs_diff_eq!(*exact, expected, epsilon = 2e-9);
-            }
-        }
-        // Both sides of the series: y from 0 to 12.
         for factor in [|_: f64| 1.0, |width: f64| (width / 250.0).powi(2)] {
             let slope = (factor(300.5) - factor(299.5)) / 1.0;
-            let [_, exact] = both_filled(count, |out, slopes| {
-                diffraction_and_slopes(&nodes, &obliquity, 300.0, (factor(300.0), slope), out, slopes);
-            });
-            let values = by(&|width, out| diffraction(&nodes, &obliquity, width, factor(width), out), 300.0);
-            for (exact, expected) in exact.iter().zip(values) {
-                assert_abs_diff_eq!(*exact, expected, epsilon = 1e-10);
+            for layers in [1, 2, 9, 16] {
+                let of = |period: f64, width: f64| Lamella { period, layers, width, factor: (factor(width), slope) };
+                let [_, by_period, by_width] = all_filled(count, |out, slopes| {
+                    intensity_and_slopes(nodes, of(235.0, 300.0), out, slopes);
+                });
+                let period = differences(&|period, out| intensity(nodes, of(period, 300.0), out), 235.0);
+                let width = differences(&|width, out| intensity(nodes, of(235.0, width), out), 300.0);
+                for i in 0..count {
+                    assert_abs_diff_eq!(by_period[i], period[i], epsilon = 3e-9);
+                    assert_abs_diff_eq!(by_width[i], width[i], epsilon = 1e-10);
+                }
             }
         }
         let tiny = |y: f64| {
-            let (mut value, mut slope) = ([0.0], [0.0]);
-            diffraction_and_slopes(&[y / 300.0], &[1.0], 300.0, (1.0, 0.0), &mut value, &mut slope);
-            slope[0]
+            let nodes = LamellaNodes { half_kv: &[0.0], half_ku: &[y / 300.0], obliquity: &[1.0] };
+            let of = Lamella { period: 235.0, layers: 9, width: 300.0, factor: (1.0, 0.0) };
+            let [_, _, by_width] = all_filled(1, |out, slopes| {
+                intensity_and_slopes(nodes, of, out, slopes);
+            });
+            by_width[0]
         };
         assert!((tiny(SERIES * (1.0 - 1e-12)) / tiny(SERIES * (1.0 + 1e-12)) - 1.0).abs() < 1e-11);
     }

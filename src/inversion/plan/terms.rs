@@ -1,9 +1,10 @@
 //! Values at the unique points of a plan for one structure, and their derivatives.
 
-use super::{Plan, PlannedReading};
+use super::{Plan, PlannedReading, Points};
 use crate::inversion::parameter::{COUNT, structure};
+use crate::optics::lamella::{self, Lamella, LamellaNodes};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
-use crate::optics::{Join, lamella, lobe};
+use crate::optics::{Join, lobe};
 use nalgebra::DVector;
 
 /// A direction this near the edge of the lobe is at it, rad.
@@ -12,8 +13,7 @@ const EDGE: f64 = 1e-4;
 /// Values at the unique points of a plan.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Terms {
-    pub(crate) interference: Vec<f64>,
-    pub(crate) diffraction: Vec<f64>,
+    pub(crate) lamella: Vec<f64>,
     pub(crate) stack: Vec<f64>,
     pub(crate) lobe: Vec<f64>,
 }
@@ -21,10 +21,8 @@ pub(crate) struct Terms {
 /// [`Terms`] by reference: a search joins terms that many points share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TermsView<'a> {
-    /// `A²` by lamella node.
-    pub(crate) interference: &'a [f64],
-    /// `factor(a) · S² · cos²(theta)` by lamella node.
-    pub(crate) diffraction: &'a [f64],
+    /// `A² · factor(a) · S² · cos²(theta)` by lamella node.
+    pub(crate) lamella: &'a [f64],
     /// R of the reading's polarization by stack node.
     pub(crate) stack: &'a [f64],
     /// L by lobe node; of a product all but R.
@@ -33,33 +31,26 @@ pub(crate) struct TermsView<'a> {
 
 impl Terms {
     pub(crate) fn view(&self) -> TermsView<'_> {
-        TermsView {
-            interference: &self.interference,
-            diffraction: &self.diffraction,
-            stack: &self.stack,
-            lobe: &self.lobe,
-        }
+        TermsView { lamella: &self.lamella, stack: &self.stack, lobe: &self.lobe }
     }
 }
 
-/// Derivatives of Model A's terms by lamella node, 1/nm.
+/// Derivatives of Model A by lamella node, 1/nm.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LamellaSlopes {
-    /// Of the interference by the period.
     pub(crate) by_period: Vec<f64>,
-    /// Whether these are there: not for so many layers that no recurrence is taken.
-    pub(crate) has_period: bool,
-    /// Of the diffraction by the width of the lamella.
     pub(crate) by_width: Vec<f64>,
 }
 
 impl Plan<'_> {
+    /// `A²` by lamella node.
     pub(crate) fn interference(&self, period: f64) -> Vec<f64> {
         let mut values = vec![0.0; self.points.half_kv.len()];
         lamella::interference(&self.points.half_kv, period, self.model.stack().layers, &mut values);
         values
     }
 
+    /// `factor(a) · S² · cos²(theta)` by lamella node.
     pub(crate) fn diffraction(&self, lamella_width: f64) -> Vec<f64> {
         let mut values = vec![0.0; self.points.half_ku.len()];
         let factor = self.model.lamella_factor(lamella_width);
@@ -137,48 +128,59 @@ impl Plan<'_> {
         terms
     }
 
-    /// Puts the values at `values` into `terms`, whatever was there, and with them the slopes of Model A if they are asked for.
-    pub(crate) fn renew(&self, values: &[f64; COUNT], terms: &mut Terms, slopes: Option<&mut LamellaSlopes>) {
+    /// Puts the values at `values` into `terms`, whatever was there, and with them the slopes of Model A if they are asked for;
+    /// returns whether these are there, which they are not for so many layers that no recurrence is taken.
+    pub(crate) fn renew(&self, values: &[f64; COUNT], terms: &mut Terms, slopes: Option<&mut LamellaSlopes>) -> bool {
         let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = *values;
-        self.renew_lamella([d_air + d_cuticle, lamella_width], terms, slopes);
         terms.stack = self.stack(d_air, d_cuticle, delta);
         terms.lobe = self.lobe(delta, phi_alpha, lamella_width);
-    }
-
-    /// The slopes of Model A.
-    pub(crate) fn lamella_slopes(&self, values: &[f64; COUNT]) -> LamellaSlopes {
-        let mut slopes = LamellaSlopes::default();
-        self.renew_lamella([values[0] + values[1], values[4]], &mut Terms::default(), Some(&mut slopes));
-        slopes
-    }
-
-    fn renew_lamella(&self, [period, width]: [f64; 2], terms: &mut Terms, slopes: Option<&mut LamellaSlopes>) {
-        let (half_kv, half_ku, obliquity) =
-            (&self.points.half_kv[..], &self.points.half_ku[..], &self.points.obliquity[..]);
-        let (factor, layers) = (self.model.lamella_factor(width), self.model.stack().layers);
-        let Terms { interference, diffraction, .. } = terms;
-        interference.resize(half_kv.len(), 0.0);
-        diffraction.resize(half_ku.len(), 0.0);
-        let Some(LamellaSlopes { by_period, has_period, by_width }) = slopes else {
-            lamella::interference(half_kv, period, layers, interference);
-            lamella::diffraction(half_ku, obliquity, width, factor, diffraction);
-            return;
-        };
-        by_period.resize(half_kv.len(), 0.0);
-        by_width.resize(half_ku.len(), 0.0);
-        *has_period = lamella::interference_and_slopes(half_kv, period, layers, interference, by_period);
-        if !*has_period {
-            lamella::interference(half_kv, period, layers, interference);
+        let (nodes, of) = (self.lamella_nodes(), self.lamella_of(d_air + d_cuticle, lamella_width));
+        let count = nodes.half_kv.len();
+        terms.lamella.resize(count, 0.0);
+        let has_slopes = slopes.is_some_and(|LamellaSlopes { by_period, by_width }| {
+            by_period.resize(count, 0.0);
+            by_width.resize(count, 0.0);
+            lamella::intensity_and_slopes(nodes, of, &mut terms.lamella, [by_period, by_width])
+        });
+        if !has_slopes {
+            lamella::intensity(nodes, of, &mut terms.lamella);
         }
-        let factor = (factor, self.model.lamella_factor_slope(width));
-        lamella::diffraction_and_slopes(half_ku, obliquity, width, factor, diffraction, by_width);
+        has_slopes
+    }
+
+    /// Model A by lamella node.
+    pub(crate) fn lamella(&self, period: f64, width: f64) -> Vec<f64> {
+        let nodes = self.lamella_nodes();
+        let mut values = vec![0.0; nodes.half_kv.len()];
+        lamella::intensity(nodes, self.lamella_of(period, width), &mut values);
+        values
+    }
+
+    /// Its slopes in exact form; `None` for so many layers that no recurrence is taken.
+    pub(crate) fn lamella_slopes(&self, period: f64, width: f64) -> Option<LamellaSlopes> {
+        let (nodes, of) = (self.lamella_nodes(), self.lamella_of(period, width));
+        let mut slopes = LamellaSlopes { by_period: vec![0.0; nodes.half_kv.len()], by_width: Vec::new() };
+        slopes.by_width.clone_from(&slopes.by_period);
+        let LamellaSlopes { by_period, by_width } = &mut slopes;
+        let mut values = by_period.clone();
+        lamella::intensity_and_slopes(nodes, of, &mut values, [by_period, by_width]).then_some(slopes)
+    }
+
+    fn lamella_nodes(&self) -> LamellaNodes<'_> {
+        let Points { half_kv, half_ku, obliquity, .. } = &*self.points;
+        LamellaNodes { half_kv, half_ku, obliquity }
+    }
+
+    fn lamella_of(&self, period: f64, width: f64) -> Lamella {
+        let factor = (self.model.lamella_factor(width), self.model.lamella_factor_slope(width));
+        Lamella { period, layers: self.model.stack().layers, width, factor }
     }
 
     /// `(I_A cos² omega, I_B sin² omega)` of a reading; of a product 0 and all of it.
     #[inline]
     pub(crate) fn parts(&self, reading: &PlannedReading, terms: TermsView<'_>) -> (f64, f64) {
         let a = if reading.share_a > 0.0 {
-            reading.share_a * terms.interference[reading.lamella] * terms.diffraction[reading.lamella]
+            reading.share_a * terms.lamella[reading.lamella]
         } else {
             0.0
         };

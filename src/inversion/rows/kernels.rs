@@ -22,6 +22,17 @@ struct Still(usize);
 #[derive(Clone, Copy)]
 struct Onward(usize);
 
+/// 1 everywhere, whatever the values.
+#[derive(Clone, Copy)]
+struct One;
+
+impl Place for One {
+    #[inline(always)]
+    fn lanes<const N: usize>(self, _: &[f64], _: usize) -> [f64; N] {
+        [1.0; N]
+    }
+}
+
 impl Place for Still {
     #[inline(always)]
     fn lanes<const N: usize>(self, values: &[f64], _: usize) -> [f64; N] {
@@ -79,19 +90,36 @@ macro_rules! along {
     };
 }
 
-/// `w_i share x_i y_i` of all readings, with the share and the nodes of Model A or of Model B; 0 where the share is 0.
+/// `w_i share x_i` of all readings, with the share and the nodes of Model A; 0 where the share is 0.
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-pub(super) fn products(out: &mut [f64], weights: &[f64], runs: &[Run], is_lamella: bool, terms: [&[f64]; 2]) {
+pub(super) fn lamellae(out: &mut [f64], weights: &[f64], runs: &[Run], values: &[f64]) {
     for run in runs {
-        let (share, x, y) =
-            if is_lamella { (run.share_a, &run.lamella, &run.lamella) } else { (run.share_b, &run.stack, &run.lobe) };
         let (out, weights) = (&mut out[run.rows.clone()], &weights[run.rows.clone()]);
+        if run.share_a <= 0.0 {
+            out.fill(0.0);
+            continue;
+        }
         let length = out.len();
+        match &run.lamella {
+            Nodes::From(first) => {
+                along!(length, product(out, weights, run.share_a, [values, values], Onward(*first), One));
+            }
+            nodes => along!(length, product(out, weights, run.share_a, [values, values], nodes, One)),
+        }
+    }
+}
+
+/// `w_i share x_i y_i` of all readings, with the share and the nodes of Model B; 0 where the share is 0.
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+pub(super) fn multilayers(out: &mut [f64], weights: &[f64], runs: &[Run], terms: [&[f64]; 2]) {
+    for run in runs {
+        let (out, weights) = (&mut out[run.rows.clone()], &weights[run.rows.clone()]);
+        let (share, length) = (run.share_b, out.len());
         if share <= 0.0 {
             out.fill(0.0);
             continue;
         }
-        match (x, y) {
+        match (&run.stack, &run.lobe) {
             (Nodes::From(x), Nodes::From(y)) => {
                 along!(length, product(out, weights, share, terms, Onward(*x), Onward(*y)));
             }
@@ -101,7 +129,7 @@ pub(super) fn products(out: &mut [f64], weights: &[f64], runs: &[Run], is_lamell
             (Nodes::From(x), Nodes::Same(y)) => {
                 along!(length, product(out, weights, share, terms, Onward(*x), Still(*y)));
             }
-            _ => along!(length, product(out, weights, share, terms, x, y)),
+            (x, y) => along!(length, product(out, weights, share, terms, x, y)),
         }
     }
 }
@@ -130,8 +158,8 @@ fn product<const N: usize, X: Place, Y: Place>(
 pub(super) struct Slopes<'a> {
     /// Factors on the two models.
     pub(super) factors: (f64, f64),
-    /// Interference and diffraction, and derivatives of the one by the period and of the other by the width.
-    pub(super) lamella: [&'a [f64]; 4],
+    /// Derivatives of Model A by the period and by the width.
+    pub(super) lamella: [&'a [f64]; 2],
     /// R, and its derivatives by `d_air`, `d_cuticle` and the tilt.
     pub(super) stack: [&'a [f64]; 4],
     /// L, and its derivatives by the tilt, the half-width and the width of the lamellae.
@@ -178,13 +206,13 @@ fn slope<const N: usize, R: Place, L: Place>(
     if run.share_a > 0.0 {
         let factor = of.factors.0 * run.share_a;
         let node = |which: usize| (&run.lamella).lanes::<N>(of.lamella[which], reading);
-        let (interference, diffraction, by_period, by_width) = (node(0), node(1), node(2), node(3));
+        let (by_period, by_width) = (node(0), node(1));
         for i in 0..N {
             let weight = weights[i] * factor;
-            let by_period = weight * by_period[i] * diffraction[i];
+            let by_period = weight * by_period[i];
             found[0][i] = by_period;
             found[1][i] = by_period;
-            found[4][i] = weight * by_width[i] * interference[i];
+            found[4][i] = weight * by_width[i];
         }
     }
     if run.share_b > 0.0 {

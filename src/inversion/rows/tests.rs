@@ -72,8 +72,8 @@ fn parts_and_slopes_are_those_of_each_reading() {
     let rows = arranged(&all, &[0, 1, 2]);
     let robust: Vec<f64> = wave(all.len(), 2.0).iter().map(|x| 0.5 + x * x).collect();
     let weighted = rows.weighted(&robust);
-    let (p, d, r, l) = (wave(60, 0.1), wave(60, 0.2), wave(11, 0.3), wave(20, 0.4));
-    let terms = TermsView { interference: &p, diffraction: &d, stack: &r, lobe: &l };
+    let (p, r, l) = (wave(60, 0.1), wave(11, 0.3), wave(20, 0.4));
+    let terms = TermsView { lamella: &p, stack: &r, lobe: &l };
     let lamella = [wave(60, 0.5), wave(60, 0.6)];
     let stack = [wave(11, 0.7), wave(11, 0.8), wave(11, 0.9)];
     let lobe = [wave(20, 1.0), wave(20, 1.1), wave(20, 1.2)];
@@ -103,14 +103,14 @@ fn parts_and_slopes_are_those_of_each_reading() {
         let (on_a, on_b, background) = factors[reading.curve];
         let (a, b) = (w * on_a * reading.share_a, w * on_b * reading.share_b);
         let (i, j, k) = (reading.lamella, reading.stack, reading.lobe);
-        let value = a * p[i] * d[i] + b * r[j] * l[k];
+        let value = a * p[i] + b * r[j] * l[k];
         assert_relative_eq!(left[row], value + w * (background - rows.intensities()[row]), epsilon = 1e-14);
         let expected = [
-            a * lamella[0][i] * d[i] + b * stack[0][j] * l[k],
-            a * lamella[0][i] * d[i] + b * stack[1][j] * l[k],
+            a * lamella[0][i] + b * stack[0][j] * l[k],
+            a * lamella[0][i] + b * stack[1][j] * l[k],
             b * (stack[2][j] * l[k] + r[j] * lobe[0][k]),
             b * r[j] * lobe[1][k],
-            a * lamella[1][i] * p[i] + b * r[j] * lobe[2][k],
+            a * lamella[1][i] + b * r[j] * lobe[2][k],
         ];
         for (column, expected) in columns.iter().zip(expected) {
             assert_relative_eq!(column[row], expected, epsilon = 1e-14);
@@ -129,11 +129,11 @@ fn runs_of_any_length_are_those_of_each_reading() {
                     (0..length).map(|i| reading([1 + i, of_stack(i), of_lobe(i)], 0, shares)).collect();
                 let rows = arranged(&all, &[0]);
                 let seen = |share: f64, phase: f64| if share > 0.0 { wave(20, phase) } else { vec![f64::NAN; 20] };
-                let [p, d, by_p, by_d] = [0.1, 0.2, 0.3, 0.4].map(|phase| seen(shares.0, phase));
+                let [p, by_p, by_w] = [0.1, 0.3, 0.4].map(|phase| seen(shares.0, phase));
                 let [r, r_a, r_c, r_t, l, l_t, l_h] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1].map(|x| seen(shares.1, x));
-                let terms = TermsView { interference: &p, diffraction: &d, stack: &r, lobe: &l };
+                let terms = TermsView { lamella: &p, stack: &r, lobe: &l };
                 let by = TermSlopes {
-                    lamella: [&by_p, &by_d],
+                    lamella: [&by_p, &by_w],
                     stack: [&r_a, &r_c, &r_t],
                     lobe: [&l_t, &l_h],
                     lobe_by_width: None,
@@ -149,15 +149,15 @@ fn runs_of_any_length_are_those_of_each_reading() {
                     let (n, j, k) = (reading.lamella, reading.stack, reading.lobe);
                     let of = |share: f64, value: f64| if share > 0.0 { rows.weights()[i] * share * value } else { 0.0 };
                     let (a, b) = (|value| of(shares.0, value), |value| of(shares.1, value));
-                    assert_relative_eq!(parts.lamella[i], a(p[n] * d[n]), epsilon = 1e-14);
+                    assert_relative_eq!(parts.lamella[i], a(p[n]), epsilon = 1e-14);
                     assert_relative_eq!(parts.multilayer[i], b(r[j] * l[k]), epsilon = 1e-14);
-                    let by_period = 1.5 * a(by_p[n] * d[n]);
+                    let by_period = 1.5 * a(by_p[n]);
                     let expected = [
                         by_period + 0.5 * b(r_a[j] * l[k]),
                         by_period + 0.5 * b(r_c[j] * l[k]),
                         0.5 * b(r_t[j] * l[k] + r[j] * l_t[k]),
                         0.5 * b(r[j] * l_h[k]),
-                        1.5 * a(by_d[n] * p[n]),
+                        1.5 * a(by_w[n]),
                     ];
                     for (column, expected) in columns.iter().zip(expected) {
                         assert_relative_eq!(column[i], expected, epsilon = 1e-14);
