@@ -140,6 +140,9 @@ pub(crate) fn laplace(
 pub(crate) fn weights(minima: &[Minimum], ranges: &DVector<f64>, unit: f64) -> Vec<f64> {
     let Some(best) = minima.first() else { return Vec::new() };
     let logarithm = |minimum: &Minimum| laplace(minimum, best, ranges, unit).map(|(_, logarithm)| logarithm);
+    if let [_] = minima {
+        return vec![1.0];
+    }
     let all: Vec<f64> = minima.iter().map(|minimum| logarithm(minimum).unwrap_or(f64::NEG_INFINITY)).collect();
     let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !most.is_finite() {

@@ -32,11 +32,10 @@ fn is_thickness(parameter: Parameter) -> bool {
     matches!(parameter, Parameter::DAir | Parameter::DCuticle)
 }
 
-/// The directions of what was determined, the stiffest first; `unit` is the standard deviation of a weighted residual.
-pub(crate) fn combinations(solution: &Solution, unit: f64) -> Vec<Combination> {
+/// The directions of what was determined, the stiffest first; `analysis` is that of the solution's best minimum.
+pub(crate) fn combinations(solution: &Solution, analysis: &Identifiability) -> Vec<Combination> {
     let space = &solution.space;
     let values = space.freedom.expand(&solution.best.parameters);
-    let analysis = Identifiability::new(&(&solution.best.triangle / unit), &space.ranges);
     let of = |direction: &Direction| {
         let parts = direction.parts();
         let largest = direction.components[*parts.first()?].abs();

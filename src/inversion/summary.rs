@@ -14,10 +14,11 @@ use crate::inversion::problem::{Evaluation, Problem};
 use crate::inversion::quantity::indices;
 use crate::inversion::residuals::{by_curve, curve_residuals, neighbours, tests_by_curve, worst_curve};
 use crate::inversion::settings::Search;
+use crate::inversion::space::Space;
 use crate::inversion::undetermined::{Held, unit_of_residuals};
 use crate::inversion::{warnings, wording};
 use crate::numerics::dot::dot;
-use crate::optimise::Loss;
+use crate::optimise::{Loss, Minimum};
 use crate::uncertainty::discrepancy::is_noise;
 use crate::uncertainty::goodness::{excess, information_criteria};
 use crate::uncertainty::identifiability::Identifiability;
@@ -245,10 +246,12 @@ fn about_constants(found: &Found<'_>) -> f64 {
 }
 
 fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> {
+    let (terms, curves) = (point.terms.view(), 0..found.plan.curves);
+    let factors: Vec<_> = curves.map(|curve| found.linear.factors(curve, &point.coefficients)).collect();
     (found.plan.readings().iter().zip(found.plan.rows.intensities()))
         .map(|(reading, intensity)| {
-            let parts = found.plan.parts(reading, point.terms.view());
-            let (on_a, on_b, background) = found.linear.factors(reading.curve, &point.coefficients);
+            let parts = found.plan.parts(reading, terms);
+            let (on_a, on_b, background) = factors[reading.curve];
             let (lamella, multilayer) = (on_a * parts.0, on_b * parts.1);
             let model = lamella + multilayer + background;
             let residual = intensity - model;
@@ -307,8 +310,8 @@ fn undetermined(held: &[&Held], ratio: f64) -> Vec<String> {
 }
 
 fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
-    let jacobian = &found.minima[0].triangle / unit;
-    let analysis = Identifiability::new(&jacobian, &found.searched.ranges);
+    let of = |minimum: &Minimum, space: &Space| Identifiability::new(&(&minimum.triangle / unit), &space.ranges);
+    let analysis = of(&found.minima[0], found.searched);
     let ratio = index_ratio(found);
     // What is told in combination first, then what is not told at all, in the order of the parameters.
     let mut held: Vec<&Held> = found.held.iter().collect();
@@ -318,6 +321,10 @@ fn identifiability(found: &Found<'_>, unit: f64) -> IdentifiabilityFound {
         rank: found.searched.freedom.free.len() - found.held.len(),
         condition: Some(analysis.condition).filter(|condition| condition.is_finite()),
         undetermined: undetermined(&held, ratio),
-        combinations: combinations(found.solution, unit),
+        combinations: if found.held.is_empty() {
+            combinations(found.solution, &analysis)
+        } else {
+            combinations(found.solution, &of(found.best, found.space))
+        },
     }
 }

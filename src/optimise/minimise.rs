@@ -150,6 +150,16 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
     lowest.1
 }
 
+/// Whether the pivots of a triangle alone tell that no direction is flat: of its singular values the least over the largest is
+/// at least `|det| / ‖triangle‖^n`.
+fn is_far_from_flat(triangle: &DMatrix<f64>) -> bool {
+    let n = triangle.ncols();
+    let is_triangle = (0..n).all(|j| triangle.column(j).iter().skip(j + 1).all(|below| *below == 0.0));
+    let size = triangle.norm();
+    let least: f64 = (0..n.min(triangle.nrows())).map(|j| triangle[(j, j)].abs() / size).product();
+    is_triangle && triangle.nrows() >= n && least > FLAT
+}
+
 /// Whether some combination of the parameters inside the box does nothing.
 fn is_flat<L: LeastSquares + ?Sized>(problem: &L, found: &Minimum) -> bool {
     let parameters = &found.parameters;
@@ -168,6 +178,9 @@ fn is_flat<L: LeastSquares + ?Sized>(problem: &L, found: &Minimum) -> bool {
     let mut scaled = found.triangle.select_columns(&free);
     for (c, &j) in free.iter().enumerate() {
         scaled.column_mut(c).scale_mut(problem.scales()[j].max(parameters[j].abs()));
+    }
+    if is_far_from_flat(&scaled) {
+        return false;
     }
     match right_singular(&scaled) {
         Some((values, _)) => values.iter().any(|&value| value <= FLAT * values.max()),
