@@ -1,5 +1,6 @@
 //! Numerical methods that know neither physics nor colour, without I/O.
 
+pub(crate) mod blocks;
 pub mod dot;
 pub(crate) mod exponential;
 pub(crate) mod fused;

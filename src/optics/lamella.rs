@@ -9,6 +9,7 @@
 //! Every 0/0 of the printed form has its limit: `A = ±1` at `x = m pi`, `S = 1` at `y = 0`. The printed `cos^2(theta)`
 //! is kept; it is not reciprocal. The path is that of the vacuum: Model A does not see the cuticle's index.
 
+use crate::numerics::blocks::{padded, put};
 use crate::numerics::fused::{fused_or_not, mul_add};
 use crate::numerics::trigonometry::{cos_up_to_sign, sin_cos_fused};
 use multiversion::multiversion;
@@ -81,8 +82,8 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
     }
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
     let per_count = 1.0 / layers.max(1) as f64;
-    for (number, out) in out.chunks_mut(BLOCK).enumerate() {
-        let phases = padded(half_kv, number * BLOCK, out.len());
+    for first in (0..out.len()).step_by(BLOCK) {
+        let phases = padded::<BLOCK>(half_kv, first);
         let mut twice_cos = [0.0; BLOCK];
         for lane in 0..BLOCK {
             twice_cos[lane] = 2.0 * sin_cos_fused::<FUSED>(phases[lane] * period).1;
@@ -93,21 +94,11 @@ fn interference_of<const FUSED: bool>(half_kv: &[f64], period: f64, layers: usiz
                 (u[lane], before[lane]) = (mul_add::<FUSED>(twice_cos[lane], u[lane], -before[lane]), u[lane]);
             }
         }
-        for (out, u) in out.iter_mut().zip(u) {
-            *out = (u * per_count) * (u * per_count);
+        for lane in 0..BLOCK {
+            u[lane] = (u[lane] * per_count) * (u[lane] * per_count);
         }
+        put(&u, out, first);
     }
-}
-
-/// The `length` nodes of a block from `first` on, and zeros.
-#[inline(always)]
-fn padded(nodes: &[f64], first: usize, length: usize) -> [f64; BLOCK] {
-    let mut block = [0.0; BLOCK];
-    match nodes.get(first..first + BLOCK) {
-        Some(whole) => block.copy_from_slice(whole),
-        None => block[..length].copy_from_slice(&nodes[first..first + length]),
-    }
-    block
 }
 
 /// `factor · obliquity · slit_factor(half_ku · lamella_width)²` of many nodes, into `out`, as long as these.
@@ -185,9 +176,8 @@ fn chebyshev_intensity_and_slopes(nodes: LamellaNodes<'_>, of: Lamella, out: &mu
 
 #[inline(always)]
 fn values_of<const FUSED: bool>(nodes: LamellaNodes<'_>, of: Lamella, out: &mut [f64]) {
-    for (number, out) in out.chunks_mut(BLOCK).enumerate() {
-        let [found, ..] = block::<FUSED, false>(nodes, of, number * BLOCK, out.len());
-        out.copy_from_slice(&found[..out.len()]);
+    for first in (0..out.len()).step_by(BLOCK) {
+        put(&block::<FUSED, false>(nodes, of, first)[0], out, first);
     }
 }
 
@@ -198,26 +188,24 @@ fn values_and_slopes_of<const FUSED: bool>(
     out: &mut [f64],
     [by_period, by_width]: [&mut [f64]; 2],
 ) {
-    let slopes = by_period.chunks_mut(BLOCK).zip(by_width.chunks_mut(BLOCK));
-    for (number, (out, (by_period, by_width))) in out.chunks_mut(BLOCK).zip(slopes).enumerate() {
-        let [found, period, width] = block::<FUSED, true>(nodes, of, number * BLOCK, out.len());
-        out.copy_from_slice(&found[..out.len()]);
-        by_period.copy_from_slice(&period[..out.len()]);
-        by_width.copy_from_slice(&width[..out.len()]);
+    for first in (0..out.len()).step_by(BLOCK) {
+        let [found, period, width] = block::<FUSED, true>(nodes, of, first);
+        put(&found, out, first);
+        put(&period, by_period, first);
+        put(&width, by_width, first);
     }
 }
 
-/// Values of the `length` nodes from `first` on, and if `SLOPES` their derivatives by the period and the width.
+/// Values of the nodes from `first` on, and if `SLOPES` their derivatives by the period and the width.
 #[inline(always)]
 fn block<const FUSED: bool, const SLOPES: bool>(
     nodes: LamellaNodes<'_>,
     of: Lamella,
     first: usize,
-    length: usize,
 ) -> [[f64; BLOCK]; 3] {
     // One by one: what closures do in other functions is not compiled for vector instructions.
-    let (k_v, k_u) = (padded(nodes.half_kv, first, length), padded(nodes.half_ku, first, length));
-    let obliquity = padded(nodes.obliquity, first, length);
+    let (k_v, k_u) = (padded::<BLOCK>(nodes.half_kv, first), padded::<BLOCK>(nodes.half_ku, first));
+    let obliquity = padded::<BLOCK>(nodes.obliquity, first);
     #[allow(clippy::cast_precision_loss, reason = "at most 16")]
     let per_count = 1.0 / of.layers.max(1) as f64;
     let (mut twice_cos, mut twice_sin) = ([0.0; BLOCK], [0.0; BLOCK]);

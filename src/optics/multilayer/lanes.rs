@@ -18,6 +18,7 @@
 mod row;
 mod slopes;
 
+use crate::numerics::blocks::{padded, put};
 use crate::numerics::fused::{fused_or_not, mul_add};
 use crate::numerics::trigonometry::sin_cos_fused;
 use crate::optics::multilayer::periodic::{Admittances, Incidence, Rule};
@@ -232,29 +233,6 @@ impl Answer for f64 {
     fn of([s, p]: [f64; 2], [whole_s, whole_p]: [f64; 2]) -> Self {
         let mean = 0.5 * (s * whole_p + p * whole_s) / (whole_s * whole_p);
         if mean < 1.0 { mean } else { 1.0 }
-    }
-}
-
-/// `N` wavenumbers from `first` on, or as many as there are and zeros.
-#[inline(always)]
-fn padded<const N: usize>(wavenumbers: &[f64], first: usize) -> Block<N> {
-    let mut block = [0.0; N];
-    match wavenumbers.get(first..first + N) {
-        Some(whole) => block.copy_from_slice(whole),
-        None => block[..wavenumbers.len() - first].copy_from_slice(&wavenumbers[first..]),
-    }
-    block
-}
-
-/// Writes a block from `first` on, or as much of it as there is room for.
-#[inline(always)]
-fn put<T: Copy, const N: usize>(found: &[T; N], out: &mut [T], first: usize) {
-    match out.get_mut(first..first + N) {
-        Some(whole) => whole.copy_from_slice(found),
-        None => {
-            let rest = &mut out[first..];
-            rest.copy_from_slice(&found[..rest.len()]);
-        }
     }
 }
 

@@ -3,9 +3,10 @@
 //! Backwards from R to the two phases and the admittances (reverse mode): three columns for little more than the value.
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
+use crate::numerics::blocks::{padded, put};
 use crate::numerics::fused::{fused_or_not, mul_add};
 use crate::optics::multilayer::lanes::row::{Fixed, Lanes, Paths, Row, Same, rows_of};
-use crate::optics::multilayer::lanes::{Block, NARROW, Phases, Rules, WIDE, along, doublings, padded, put};
+use crate::optics::multilayer::lanes::{Block, NARROW, Phases, Rules, WIDE, along, doublings};
 use crate::optics::multilayer::periodic::{Admittances, Incidence};
 use crate::optics::multilayer::{Period, SAndP, StackSlopes};
 use crate::optics::stack::Media;
