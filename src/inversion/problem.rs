@@ -8,10 +8,10 @@ use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::{LinearPart, NormalEquations, in_use};
 use crate::inversion::parameter::{COUNT, Parameter, inside};
 use crate::inversion::plan::{LamellaSlopes, Plan, Terms};
-use crate::inversion::rows::{self, Block, TermSlopes, Weighted, WeightedParts};
+use crate::inversion::rows::{self, Block, Chunk, TermSlopes, Weighted, WeightedParts};
 use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
-use crate::numerics::dot::{dot, three_by_three};
+use crate::numerics::dot::dot;
 use crate::optimise::{Bounds, LeastSquares, Products, derivative, without_columns};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
@@ -27,7 +27,7 @@ pub(crate) struct Problem<'a> {
     derivative: Derivative,
     last: RefCell<Option<Evaluation>>,
     /// The derivatives of a block of readings: memory.
-    columns: RefCell<[Vec<f64>; COUNT]>,
+    chunks: RefCell<Vec<Chunk>>,
 }
 
 /// The model at one point.
@@ -59,7 +59,7 @@ impl<'a> Problem<'a> {
         derivative: Derivative,
     ) -> Self {
         let weighted = plan.rows.weighted(robust);
-        Self { plan, linear, space, weighted, derivative, last: RefCell::new(None), columns: RefCell::default() }
+        Self { plan, linear, space, weighted, derivative, last: RefCell::new(None), chunks: RefCell::default() }
     }
 
     /// Number of residuals.
@@ -178,19 +178,23 @@ impl<'a> Problem<'a> {
     fn slopes(&self, point: &Evaluation) -> DMatrix<f64> {
         let slopes = self.term_slopes(point);
         let mut all = DMatrix::zeros(self.plan.len(), COUNT);
-        let mut columns = all.as_mut_slice().chunks_exact_mut(self.plan.len().max(1));
-        let mut columns: [&mut [f64]; COUNT] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        let mut chunks = self.chunks.take();
         for block in self.plan.rows.blocks() {
-            let own = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
-            self.slopes_of(block, point, &slopes, own);
+            self.slopes_of(block, point, &slopes, &mut chunks);
+            for (reading, derivatives) in chunks.iter().flat_map(Chunk::readings) {
+                for (j, derivative) in derivatives.into_iter().enumerate() {
+                    all[(reading, j)] = derivative;
+                }
+            }
         }
+        self.chunks.replace(chunks);
         if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }
     }
 
-    fn slopes_of(&self, block: &Block, point: &Evaluation, slopes: &PointSlopes<'_>, columns: [&mut [f64]; COUNT]) {
+    fn slopes_of(&self, block: &Block, point: &Evaluation, slopes: &PointSlopes<'_>, out: &mut Vec<Chunk>) {
         let (on_a, on_b, _) = self.linear.factors(block.curve, &point.coefficients);
         let (terms, weights) = (point.terms.view(), &self.weighted.weights);
-        self.plan.rows.slopes(block, terms, &slopes.view(), weights, (on_a, on_b), columns);
+        self.plan.rows.slopes(block, terms, &slopes.view(), weights, (on_a, on_b), out);
     }
 
     /// The products of the Jacobian at `point`, summed up block by block; `None` where its columns are so nearly those of
@@ -201,42 +205,28 @@ impl<'a> Problem<'a> {
         let mut gram = DMatrix::zeros(COUNT, COUNT);
         let mut gradient = DVector::zeros(COUNT);
         let mut along = DMatrix::zeros(active.len(), COUNT);
-        let longest = self.plan.rows.blocks().iter().map(|block| block.rows.len()).max().unwrap_or(0);
-        let mut memory = self.columns.take();
-        memory.iter_mut().for_each(|column| column.resize(longest, 0.0));
+        let mut chunks = self.chunks.take();
         for block in self.plan.rows.blocks() {
-            self.slopes_of(block, point, &slopes, memory.each_mut().map(|column| &mut column[..block.rows.len()]));
-            let columns = memory.each_ref().map(|column| &column[..block.rows.len()]);
-            let [air, cuticle, tilt, half_width, width] = columns;
-            let own_residuals = &residuals.as_slice()[block.rows.clone()];
-            let (thicknesses, rest) = ([air, cuticle, tilt], [half_width, width, own_residuals]);
-            let (upper, corner) = (three_by_three(thicknesses, thicknesses), three_by_three(rest, thicknesses));
-            let lower = three_by_three(rest, rest);
-            for j in 0..3 {
-                for k in 0..3 {
-                    gram[(j, k)] += upper[j][k];
+            self.slopes_of(block, point, &slopes, &mut chunks);
+            let found = rows::sums(&chunks, residuals.as_slice());
+            for j in 0..COUNT {
+                gradient[j] += found.gradient[j];
+                for k in 0..=j {
+                    gram[(j, k)] += found.gram[j][k];
                 }
-                gram[(3, j)] += corner[0][j];
-                gram[(4, j)] += corner[1][j];
-                gradient[j] += corner[2][j];
-            }
-            gradient[3] += lower[2][0];
-            gradient[4] += lower[2][1];
-            for (i, j) in [(0, 0), (1, 0), (1, 1)] {
-                gram[(3 + i, 3 + j)] += lower[i][j];
             }
             if active.is_empty() {
                 continue;
             }
             for (of, factor, values) in self.linear.columns_of(block.curve, &point.parts, &self.weighted) {
                 if let Ok(place) = active.binary_search(&of) {
-                    for (j, column) in columns.iter().enumerate() {
-                        along[(place, j)] += factor * dot(column, &values[block.rows.clone()]);
+                    for (j, product) in rows::along(&chunks, values).into_iter().enumerate() {
+                        along[(place, j)] += factor * product;
                     }
                 }
             }
         }
-        self.columns.replace(memory);
+        self.chunks.replace(chunks);
         let freedom = &self.space.freedom;
         gram.fill_upper_triangle_with_lower_triangle();
         if !freedom.is_all_free() {

@@ -1,10 +1,13 @@
 //! The readings of a plan in runs along which a node stands still or goes on by one, for arithmetic in vector registers (`kernels`).
 
 mod kernels;
+mod slopes;
 
 use crate::inversion::plan::{PlannedReading, TermsView};
 pub(crate) use kernels::residuals;
-use kernels::{Slopes, lamellae, multilayers, slopes};
+use kernels::{lamellae, multilayers};
+pub(crate) use slopes::{Chunk, along, sums};
+use slopes::{Slopes, slopes};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -229,8 +232,8 @@ impl Rows {
         crossed
     }
 
-    /// Writes into `columns`, of the readings of `block` alone, the weighted derivatives by `d_air`, `d_cuticle`, the
-    /// tilt, the half-width of the lobe and the width of the lamellae, where its curve has these factors on the two models.
+    /// Puts into `out`, whatever was there, the weighted derivatives of the readings of `block`, where its curve has these
+    /// factors on the two models.
     pub(crate) fn slopes(
         &self,
         block: &Block,
@@ -238,7 +241,7 @@ impl Rows {
         by: &TermSlopes<'_>,
         weights: &[f64],
         factors: (f64, f64),
-        columns: [&mut [f64]; 5],
+        out: &mut Vec<Chunk>,
     ) {
         let of = Slopes {
             factors,
@@ -247,7 +250,7 @@ impl Rows {
             lobe: [terms.lobe, by.lobe[0], by.lobe[1], by.lobe_by_width.unwrap_or(terms.lobe)],
             lobe_sees_width: by.lobe_by_width.is_some(),
         };
-        slopes(columns, &weights[block.rows.clone()], &self.layout.runs[block.runs.clone()], &of);
+        slopes(out, weights, &self.layout.runs[block.runs.clone()], &of);
     }
 }
 

@@ -319,7 +319,8 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
                 }
             };
             let lamella = lamellae.entry([period, lamella_width].map(key)).or_insert_with(|| {
-                let product: Vec<f64> = interference.iter().zip(diffraction).map(|(array, slit)| array * slit).collect();
+                let product: Vec<f64> =
+                    interference.iter().zip(diffraction).map(|(array, slit)| array * slit).collect();
                 screening.lamella(TermsView { lamella: &product, stack, lobe })
             });
             let terms = TermsView { lamella: &[], stack, lobe };

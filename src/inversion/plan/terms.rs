@@ -179,11 +179,7 @@ impl Plan<'_> {
     /// `(I_A cos² omega, I_B sin² omega)` of a reading; of a product 0 and all of it.
     #[inline]
     pub(crate) fn parts(&self, reading: &PlannedReading, terms: TermsView<'_>) -> (f64, f64) {
-        let a = if reading.share_a > 0.0 {
-            reading.share_a * terms.lamella[reading.lamella]
-        } else {
-            0.0
-        };
+        let a = if reading.share_a > 0.0 { reading.share_a * terms.lamella[reading.lamella] } else { 0.0 };
         let b = if reading.share_b > 0.0 {
             reading.share_b * terms.stack[reading.stack] * terms.lobe[reading.lobe]
         } else {

@@ -17,6 +17,45 @@ fn arranged(readings: &[PlannedReading], like: &[usize]) -> Rows {
     rows
 }
 
+/// Derivatives of all readings, column by column.
+struct Columns([Vec<f64>; 5]);
+
+impl Columns {
+    fn new(length: usize) -> Self {
+        Self(std::array::from_fn(|_| vec![f64::NAN; length]))
+    }
+
+    fn take(&mut self, chunks: &[Chunk]) {
+        for (reading, derivatives) in chunks.iter().flat_map(Chunk::readings) {
+            for (column, derivative) in self.0.iter_mut().zip(derivatives) {
+                assert!(column[reading].is_nan(), "reading {reading} is in two chunks");
+                column[reading] = derivative;
+            }
+        }
+    }
+
+    /// The sums of chunks that hold all readings, by every form of the kernel, are those of the columns.
+    fn assert_sums(&self, chunks: &[Chunk]) {
+        let others = wave(self.0[0].len(), 5.0);
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for found in [
+            sums(chunks, &others),
+            slopes::sums_of::<true, 8>(chunks, &others),
+            slopes::sums_of::<false, 4>(chunks, &others),
+        ] {
+            for j in 0..5 {
+                assert_relative_eq!(found.gradient[j], product(&self.0[j], &others), epsilon = 1e-13);
+                for k in 0..=j {
+                    assert_relative_eq!(found.gram[j][k], product(&self.0[j], &self.0[k]), epsilon = 1e-13);
+                }
+            }
+        }
+        for (found, column) in along(chunks, &others).into_iter().zip(&self.0) {
+            assert_relative_eq!(found, product(column, &others), epsilon = 1e-13);
+        }
+    }
+}
+
 /// A grid, a spectrum, a shuffled curve and single readings of other planes.
 fn readings() -> Vec<PlannedReading> {
     let mut all: Vec<PlannedReading> = Vec::new();
@@ -84,11 +123,11 @@ fn parts_and_slopes_are_those_of_each_reading() {
         lobe_by_width: Some(&lobe[2]),
     };
     let factors = [(0.3, 0.7, 0.0), (1.1, 0.9, 0.1), (2.0, 0.4, 0.2)];
-    let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| vec![f64::NAN; all.len()]);
+    let (mut columns, mut chunks) = (Columns::new(all.len()), Vec::new());
     for block in rows.blocks() {
         let (on_a, on_b, _) = factors[block.curve];
-        let columns = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
-        rows.slopes(block, terms, &slopes, &weighted.weights, (on_a, on_b), columns);
+        rows.slopes(block, terms, &slopes, &weighted.weights, (on_a, on_b), &mut chunks);
+        columns.take(&chunks);
     }
     let parts = rows.parts(terms, &weighted.weights);
     let mut left = vec![0.0; all.len()];
@@ -112,7 +151,7 @@ fn parts_and_slopes_are_those_of_each_reading() {
             b * r[j] * lobe[1][k],
             a * lamella[1][i] + b * r[j] * lobe[2][k],
         ];
-        for (column, expected) in columns.iter().zip(expected) {
+        for (column, expected) in columns.0.iter().zip(expected) {
             assert_relative_eq!(column[row], expected, epsilon = 1e-14);
         }
     }
@@ -140,10 +179,11 @@ fn runs_of_any_length_are_those_of_each_reading() {
                 };
                 let weights = rows.weighted(&[]).weights.into_owned();
                 let parts = rows.parts(terms, &weights);
-                let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| vec![f64::NAN; length]);
+                let (mut columns, mut chunks) = (Columns::new(length), Vec::new());
                 for block in rows.blocks() {
-                    let columns = columns.each_mut().map(|column| &mut column[block.rows.clone()]);
-                    rows.slopes(block, terms, &by, &weights, (1.5, 0.5), columns);
+                    rows.slopes(block, terms, &by, &weights, (1.5, 0.5), &mut chunks);
+                    columns.take(&chunks);
+                    columns.assert_sums(&chunks);
                 }
                 for (i, reading) in all.iter().enumerate() {
                     let (n, j, k) = (reading.lamella, reading.stack, reading.lobe);
@@ -159,7 +199,7 @@ fn runs_of_any_length_are_those_of_each_reading() {
                         0.5 * b(r[j] * l_h[k]),
                         1.5 * a(by_w[n]),
                     ];
-                    for (column, expected) in columns.iter().zip(expected) {
+                    for (column, expected) in columns.0.iter().zip(expected) {
                         assert_relative_eq!(column[i], expected, epsilon = 1e-14);
                     }
                 }
