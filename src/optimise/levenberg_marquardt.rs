@@ -22,7 +22,8 @@ use nalgebra::{DMatrix, DVector};
 /// When a run ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
-    /// Relative fall of the cost, predicted and actual, below which it has converged.
+    /// Relative fall of the cost, predicted and actual, below which it has converged. A step that promises less than a
+    /// hundredth of it is not tried.
     pub cost: f64,
     /// Radius of the trust region relative to the parameters below which the step has converged.
     pub step: f64,
@@ -48,6 +49,8 @@ const FIRST_RADIUS: f64 = 100.0;
 const ACCEPT: f64 = 1e-4;
 /// A run that stops short with a cosine above this has not found a minimum.
 const STALLED_COSINE: f64 = 1e-3;
+/// A step of which the linear problem promises less than this share of the tolerance is not worth an evaluation.
+const NOT_TRIED: f64 = 0.01;
 /// Residuals this small beside those of the start are rounding: their direction means nothing.
 const ROUNDING: f64 = 1e-10;
 
@@ -61,6 +64,8 @@ pub struct LevenbergMarquardt {
     first_norm: f64,
     evaluations: usize,
     termination: Option<Termination>,
+    /// Where the run ended, if it asked for them there.
+    products: Option<Products>,
 }
 
 type Iterate = IterState<DVector<f64>, (), DMatrix<f64>, (), DVector<f64>, f64>;
@@ -70,7 +75,7 @@ impl LevenbergMarquardt {
     #[must_use]
     pub fn new(bounds: Bounds, tolerances: Tolerances) -> Self {
         let scaling = DVector::zeros(bounds.len());
-        Self { bounds, tolerances, radius: 0.0, scaling, first_norm: 0.0, evaluations: 0, termination: None }
+        Self { bounds, tolerances, radius: 0.0, scaling, first_norm: 0.0, evaluations: 0, termination: None, products: None }
     }
 
     /// How the run ended; `None` before its end.
@@ -83,6 +88,11 @@ impl LevenbergMarquardt {
     #[must_use]
     pub fn evaluations(&self) -> usize {
         self.evaluations
+    }
+
+    /// `J' J` and `J' r` where the run ended, if it asked for them there.
+    pub(crate) fn take_products(&mut self) -> Option<Products> {
+        self.products.take()
     }
 
     fn end(&mut self, state: Iterate, termination: Termination) -> Iterate {
@@ -184,6 +194,7 @@ where
             None
         };
         if let Some(termination) = ended {
+            self.products = Some(products);
             return Ok((self.end(back(state, parameters, residuals, cost), termination), None));
         }
         let scaled_size = parameters.component_mul(&self.scaling).norm();
@@ -220,6 +231,11 @@ where
             }
             let length = trial.step.component_mul(&d).norm();
             let predicted = -(&r * &trial.step).dot(&(&b + 0.5 * (&r * &trial.step))) / cost;
+            if !trial.held_back && predicted <= NOT_TRIED * self.tolerances.cost {
+                self.products = Some(products);
+                let state = back(state, parameters, residuals, cost);
+                return Ok((self.end(state, Termination::CostConverged), None));
+            }
             let new_residuals = problem.apply(&moved)?;
             self.evaluations += 1;
             let new_cost = half_square(&new_residuals);
@@ -261,6 +277,7 @@ where
                 let state = if accepted {
                     back(state, moved, new_residuals, new_cost)
                 } else {
+                    self.products = Some(products);
                     back(state, parameters, residuals, cost)
                 };
                 return Ok((self.end(state, termination), None));

@@ -104,17 +104,17 @@ fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, toleranc
         .configure(|state| state.param(start.clone()).max_iters(u64::MAX))
         .ctrlc(false)
         .run();
-    let (found, termination, evaluations) = match run {
+    let (found, termination, evaluations, products) = match run {
         Ok(mut result) => {
             let found = result.state.take_param().zip(result.state.take_residuals());
             let termination = result.solver.termination().unwrap_or(Termination::Stalled);
-            (found, termination, result.solver.evaluations())
+            (found, termination, result.solver.evaluations(), result.solver.take_products())
         }
         // Neither the problem nor the solver returns an error; if argmin does, the run has not moved.
-        Err(_) => (None, Termination::Stalled, 0),
+        Err(_) => (None, Termination::Stalled, 0, None),
     };
     let (parameters, residuals) = found.unwrap_or_else(|| (start.clone(), problem.residuals(start)));
-    let products = problem.products(&parameters, &residuals);
+    let products = products.unwrap_or_else(|| problem.products(&parameters, &residuals));
     let all: Vec<usize> = (0..parameters.len()).collect();
     let triangle = products.triangle(&all).map_or_else(
         || {
