@@ -75,7 +75,16 @@ impl LevenbergMarquardt {
     #[must_use]
     pub fn new(bounds: Bounds, tolerances: Tolerances) -> Self {
         let scaling = DVector::zeros(bounds.len());
-        Self { bounds, tolerances, radius: 0.0, scaling, first_norm: 0.0, evaluations: 0, termination: None, products: None }
+        Self {
+            bounds,
+            tolerances,
+            radius: 0.0,
+            scaling,
+            first_norm: 0.0,
+            evaluations: 0,
+            termination: None,
+            products: None,
+        }
     }
 
     /// How the run ended; `None` before its end.
