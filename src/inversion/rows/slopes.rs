@@ -5,7 +5,7 @@
 use super::kernels::{Found, LANES, Listed, Onward, Place, Still, lanes};
 use super::{Nodes, Run};
 use crate::numerics::blocks::padded;
-use crate::numerics::fused::mul_add;
+use crate::numerics::fused::{fused_or_not, mul_add};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
@@ -207,12 +207,14 @@ pub(crate) struct Sums {
 #[multiversion(targets("x86_64+avx512f+avx512dq+fma", "x86_64+avx2+fma"))]
 pub(crate) fn sums(chunks: &[Chunk], residuals: &[f64]) -> Sums {
     if target_cfg_f!(target_feature = "avx512f") {
-        sums_of::<true, LANES>(chunks, residuals)
-    } else if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
-        sums_of::<true, { LANES / 2 }>(chunks, residuals)
-    } else {
-        sums_of::<false, { LANES / 2 }>(chunks, residuals)
+        return sums_of::<true, LANES>(chunks, residuals);
     }
+    fused_or_not!(sums_by_halves(chunks, residuals))
+}
+
+#[inline(always)]
+fn sums_by_halves<const FUSED: bool>(chunks: &[Chunk], residuals: &[f64]) -> Sums {
+    sums_of::<FUSED, { LANES / 2 }>(chunks, residuals)
 }
 
 /// With `N` lanes at a time, in two passes: more sums at once than registers would have to wait in memory.
