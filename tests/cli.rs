@@ -345,9 +345,15 @@ fn check_tells_what_the_design_cannot() {
     let report: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     assert_eq!(report["readings"], 73);
     assert_eq!(report["expected"]["parameters"][0]["sigma"], serde_json::Value::Null);
+    let told = &report["expected"]["parameters"][0]["elsewhere"];
+    assert_eq!((&told["structures"], &told["told"]), (&32.into(), &0.into()));
     assert!(report["expected"]["undetermined"].to_string().contains("only d_air + d_cuticle is determined"));
     assert!(report["expected"]["advice"][0]["scans"].to_string().contains("omega 90°"), "{}", ended.out);
-    assert!(succeeds(&folder, "check across.csv").out.contains("Measure next: a "));
+    let text = succeeds(&folder, "check across.csv").out;
+    assert!(
+        text.contains("Measure next: a ") && text.contains("elsewhere: standard deviations of the middle half of 32")
+    );
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     let fitted = succeeds(&folder, "across.csv --no-plots").out;
     let advice = fitted.find("Measure next: a ").expect("advice in the report");
     assert!(fitted[advice..].lines().all(|line| line.chars().count() <= 100), "{fitted}");

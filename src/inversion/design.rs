@@ -6,12 +6,18 @@ use crate::inversion::fit::{FitError, fit};
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{Estimate, FitOutcome};
 use crate::inversion::parameter::{COUNT, Parameter, Role, structure, values};
-use crate::inversion::settings::FitSettings;
-use crate::optics::{OpticsError, Structure};
+use crate::inversion::settings::{FitSettings, Search};
+use crate::inversion::space::Space;
+use crate::optics::{OpticsError, ReflectivityModel, Structure};
 use crate::optimise::Loss;
+use nalgebra::DVector;
+use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
 /// Standard deviation that is assumed where the data state none, as a share of the largest intensity.
 const ASSUMED_NOISE: f64 = 0.01;
+
+/// Other structures that are tried.
+const OTHERS: usize = 32;
 
 /// What can be expected of a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +26,8 @@ pub struct Expected {
     pub assuming: String,
     /// The fit of noiseless data: its values are the assumed ones, its standard deviations those to expect.
     pub outcome: FitOutcome,
+    /// What the same design tells of other structures, in the order of [`Expected::each`].
+    pub elsewhere: [Elsewhere; COUNT + 2],
     /// Whether everything free is told, and well.
     pub good: bool,
     /// What to measure besides, the best first; empty if nothing more is needed.
@@ -30,11 +38,27 @@ impl Expected {
     /// Names and estimates of the five parameters, period and optical sum.
     #[must_use]
     pub fn each(&self) -> [(&'static str, &Estimate); COUNT + 2] {
-        let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = self.outcome.parameters.each();
-        let derived = &self.outcome.derived;
-        let (period, sum) = (("d_air + d_cuticle", &derived.period), ("optical sum", &derived.optical_sum));
-        [d_air, d_cuticle, delta, phi_alpha, lamella_width, period, sum]
+        quantities(&self.outcome)
     }
+}
+
+fn quantities(outcome: &FitOutcome) -> [(&'static str, &Estimate); COUNT + 2] {
+    let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = outcome.parameters.each();
+    let derived = &outcome.derived;
+    let (period, sum) = (("d_air + d_cuticle", &derived.period), ("optical sum", &derived.optical_sum));
+    [d_air, d_cuticle, delta, phi_alpha, lamella_width, period, sum]
+}
+
+/// What a design tells of one quantity over structures drawn evenly from the bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Elsewhere {
+    /// Structures that were tried.
+    pub structures: usize,
+    /// Of how many the quantity is told.
+    pub told: usize,
+    /// The standard deviations of the middle half of these, the least and the largest, in the quantity's unit; `None` if none is
+    /// told.
+    pub middle: Option<[f64; 2]>,
 }
 
 /// A design of which nothing can be expected.
@@ -58,7 +82,8 @@ pub enum DesignError {
 /// Fits what the model gives at the geometry of `data` for a typical structure, from that structure and from everywhere.
 ///
 /// The intensities of `data` are not used but for their size, so that this says what the design can tell, not what the
-/// data do. The structure is the blue preset, moved to what is fixed, linked, started from or bounded.
+/// data do. The structure is the blue preset, moved to what is fixed, linked, started from or bounded. Others tell less or
+/// more: 32 of them, drawn from the bounds, are fitted from their own values alone.
 ///
 /// # Errors
 /// [`DesignError`] if the model has no value at a reading or the fit cannot begin.
@@ -82,7 +107,31 @@ pub fn expected(
     settings.validate().map_err(FitError::from)?;
     let model = settings.forward()?;
     let assumed = typical(settings);
-    let truth = structure(&assumed);
+    let design = noiseless(data, settings, model.as_ref(), &assumed)?;
+    let settings = started_at(settings, &assumed);
+    let found = fit(&design, &settings, progress)?;
+    progress("asking what to measure besides");
+    let good = is_good(&found.outcome);
+    let proposals = if good { Vec::new() } else { advise(&design, &found, Ask::Always)? };
+    let noise = if data.has_sigma() { "the stated sigma".to_owned() } else { "noise of 1 % of the peak".to_owned() };
+    progress("trying other structures");
+    Ok(Expected {
+        elsewhere: elsewhere(data, &settings, model.as_ref()),
+        assuming: format!("of a structure like the assumed one, with {noise}"),
+        outcome: found.outcome,
+        good,
+        advice: proposals.into_iter().map(|proposal| proposal.found).collect(),
+    })
+}
+
+/// What the model gives at the geometry of `data`, as bright as these where a scale is fitted, with their sigma or an assumed one.
+fn noiseless(
+    data: &Dataset,
+    settings: &FitSettings,
+    model: &dyn ReflectivityModel,
+    values: &[f64; COUNT],
+) -> Result<Dataset, DesignError> {
+    let truth = structure(values);
     let mut readings = Vec::with_capacity(data.readings().len());
     for reading in data.readings() {
         let Reading { geometry, polarization, wavelength, .. } = *reading;
@@ -99,23 +148,39 @@ pub fn expected(
         reading.intensity *= gain;
         reading.sigma = reading.sigma.or(Some(if noise > 0.0 { noise } else { 1.0 }));
     }
-    let design = Dataset::from_readings(readings, data.curves().to_vec())?;
+    Ok(Dataset::from_readings(readings, data.curves().to_vec())?)
+}
+
+/// Least squares from these values.
+fn started_at(settings: &FitSettings, values: &[f64; COUNT]) -> FitSettings {
     let mut settings = FitSettings { loss: Loss::Linear, ..settings.clone() };
     for parameter in Parameter::ALL {
         if matches!(settings.roles[parameter.index()], Role::Free { .. }) {
-            settings.start[parameter.index()] = Some(assumed[parameter.index()]);
+            settings.start[parameter.index()] = Some(values[parameter.index()]);
         }
     }
-    let found = fit(&design, &settings, progress)?;
-    progress("asking what to measure besides");
-    let good = is_good(&found.outcome);
-    let proposals = if good { Vec::new() } else { advise(&design, &found, Ask::Always)? };
-    let noise = if data.has_sigma() { "the stated sigma".to_owned() } else { "noise of 1 % of the peak".to_owned() };
-    Ok(Expected {
-        assuming: format!("of a structure like the assumed one, with {noise}"),
-        outcome: found.outcome,
-        good,
-        advice: proposals.into_iter().map(|proposal| proposal.found).collect(),
+    settings
+}
+
+/// What fits of noiseless data of other structures tell, each from its own values.
+fn elsewhere(data: &Dataset, settings: &FitSettings, model: &dyn ReflectivityModel) -> [Elsewhere; COUNT + 2] {
+    let Ok(space) = Space::new(&settings.roles) else { return Default::default() };
+    let points = space.bounds.latin_hypercube(OTHERS, settings.seed);
+    let one = |point: &DVector<f64>| {
+        let values = space.freedom.expand(point);
+        let design = noiseless(data, settings, model, &values).ok()?;
+        let settings = FitSettings { search: Search::Local, ..started_at(settings, &values) };
+        let outcome = fit(&design, &settings, &|_| {}).ok()?.outcome;
+        let told = |estimate: &Estimate| estimate.value.and(estimate.sigma);
+        Some(quantities(&outcome).map(|(_, estimate)| told(estimate)))
+    };
+    let found: Vec<_> = points.par_iter().map(one).collect();
+    std::array::from_fn(|quantity| {
+        let mut told: Vec<f64> = found.iter().flatten().filter_map(|sigmas| sigmas[quantity]).collect();
+        told.sort_by(f64::total_cmp);
+        let quarter = told.len() / 4;
+        let middle = told.get(quarter).zip(told.iter().rev().nth(quarter)).map(|(&least, &most)| [least, most]);
+        Elsewhere { structures: found.len(), told: told.len(), middle }
     })
 }
 
@@ -140,4 +205,49 @@ fn typical(settings: &FitSettings) -> [f64; COUNT] {
         }
     }
     typical
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::BlendModel;
+    use crate::synthetic::{Scan, simulate};
+
+    /// Structures near the assumed one have its errors, nearly.
+    #[test]
+    fn other_structures_of_a_narrow_box_are_told_as_well() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let data = simulate(&model, &blue, &Scan::full_design(&model, &blue).unwrap(), 1.0, 0.01, 1).unwrap();
+        let mut settings = FitSettings::default();
+        let near = |parameter: Parameter, value: f64| Role::Free {
+            lower: value - 0.3 * parameter.typical_change(),
+            upper: value + 0.3 * parameter.typical_change(),
+        };
+        for parameter in Parameter::ALL {
+            settings.roles[parameter.index()] = near(parameter, values(&blue)[parameter.index()]);
+        }
+        // The width is known worse than this box is wide.
+        settings.roles[Parameter::LamellaWidth.index()] = Role::Fixed { value: blue.lamella_width };
+        let narrow = expected(&data, &settings, &|_| {}).unwrap();
+        for ((name, estimate), elsewhere) in narrow.each().iter().zip(&narrow.elsewhere) {
+            if *name == "lamella_width" {
+                assert_eq!((elsewhere.told, elsewhere.middle), (0, None));
+                continue;
+            }
+            let (sigma, [least, most]) = (estimate.sigma.unwrap(), elsewhere.middle.unwrap());
+            assert!(elsewhere.told > OTHERS / 2, "{name}: {elsewhere:?}");
+            assert!(least > 0.8 * sigma && most < 1.25 * sigma, "{name}: {sigma}, {elsewhere:?}");
+        }
+    }
+
+    /// Across the ridges no structure tells a thickness, along them most do, some better than the assumed one and some worse.
+    #[test]
+    fn what_no_structure_tells_is_told_nowhere() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let data = simulate(&model, &blue, &[Scan::spectrum(0.0)], 1.0, 0.01, 1).unwrap();
+        let found = expected(&data, &FitSettings::default(), &|_| {}).unwrap();
+        let [d_air, .., period, _] = found.elsewhere;
+        assert_eq!((d_air.structures, d_air.told, d_air.middle), (OTHERS, 0, None));
+        assert!(period.told > OTHERS / 2, "{period:?}");
+    }
 }

@@ -43,7 +43,7 @@ pub use combinations::Combination;
 #[cfg(feature = "tradeoff")]
 pub(crate) use compiled::Compiled;
 pub use constant::Constant;
-pub use design::{DesignError, Expected, expected};
+pub use design::{DesignError, Elsewhere, Expected, expected};
 pub use fit::{FitError, fit};
 pub use fitter::Fitter;
 pub use nuisance::{Extent, Nuisances, Weight};

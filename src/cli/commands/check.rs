@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::Polarization;
-use morpho_fit::inversion::{AdviceFound, Estimate, ModelChoice, expected};
+use morpho_fit::inversion::{self, AdviceFound, Estimate, ModelChoice, expected};
 use morpho_fit::report::{Align, Table, plain, terminal, with_sigma, wording};
 use morpho_fit::units::degrees;
 use serde::Serialize;
@@ -55,6 +55,17 @@ struct ExpectedParameter {
     assumed: Option<f64>,
     sigma: Option<f64>,
     status: String,
+    elsewhere: Elsewhere,
+}
+
+/// What the same design tells of structures drawn evenly from the bounds.
+#[derive(Debug, Serialize)]
+struct Elsewhere {
+    structures: usize,
+    /// Of how many the parameter is told.
+    told: usize,
+    /// Standard deviations of the middle half of these, least and largest.
+    sigma_middle_half: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Serialize)]
@@ -103,16 +114,22 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn of(found: morpho_fit::inversion::Expected) -> Expected {
-    let parameter = |(name, estimate): (&'static str, &Estimate)| ExpectedParameter {
-        name,
-        unit: estimate.unit.clone(),
-        assumed: estimate.value,
-        sigma: estimate.sigma,
-        status: wording::status(estimate),
-    };
+fn of(found: inversion::Expected) -> Expected {
+    let parameter =
+        |((name, estimate), elsewhere): ((&'static str, &Estimate), &inversion::Elsewhere)| ExpectedParameter {
+            name,
+            elsewhere: Elsewhere {
+                structures: elsewhere.structures,
+                told: elsewhere.told,
+                sigma_middle_half: elsewhere.middle,
+            },
+            unit: estimate.unit.clone(),
+            assumed: estimate.value,
+            sigma: estimate.sigma,
+            status: wording::status(estimate),
+        };
     Expected {
-        parameters: found.each().map(parameter).into(),
+        parameters: found.each().into_iter().zip(&found.elsewhere).map(parameter).collect(),
         assuming: found.assuming,
         undetermined: found.outcome.identifiability.undetermined,
         good: found.good,
@@ -214,15 +231,36 @@ fn expectation(expected: &Expected) -> String {
         ("", Align::Left),
         ("assumed", Align::Right),
         ("expected", Align::Left),
+        ("elsewhere", Align::Left),
         ("unit", Align::Left),
         ("status", Align::Left),
     ]);
+    let digits = |sigma: f64| with_sigma(0.0, sigma).1;
     for parameter in &expected.parameters {
         let assumed = parameter.assumed.map_or_else(|| "—".to_owned(), plain);
-        let sigma = parameter.sigma.map_or_else(String::new, |sigma| format!("± {}", with_sigma(0.0, sigma).1));
-        table.row([parameter.name.to_owned(), assumed, sigma, parameter.unit.clone(), parameter.status.clone()]);
+        let sigma = parameter.sigma.map_or_else(String::new, |sigma| format!("± {}", digits(sigma)));
+        let elsewhere = parameter.elsewhere.sigma_middle_half;
+        let elsewhere = elsewhere.map_or_else(String::new, |[least, most]| {
+            let few = if parameter.elsewhere.told < parameter.elsewhere.structures {
+                format!(" in {}", parameter.elsewhere.told)
+            } else {
+                String::new()
+            };
+            format!("{} to {}{few}", digits(least), digits(most))
+        });
+        let (unit, status) = (parameter.unit.clone(), parameter.status.clone());
+        table.row([parameter.name.to_owned(), assumed, sigma, elsewhere, unit, status]);
     }
     text.push_str(&table.to_string());
+    if let Some(first) = expected.parameters.first() {
+        let others = first.elsewhere.structures;
+        let what = format!(
+            "elsewhere: standard deviations of the middle half of {others} structures drawn from the bounds; with \"in\", \
+             of so many alone are they told"
+        );
+        text.push_str(&terminal::wrapped(&what, "  ", "    ", WIDTH));
+        text.push('\n');
+    }
     for sentence in &expected.undetermined {
         text.push_str(&format!("! {sentence}\n"));
     }
