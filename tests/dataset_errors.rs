@@ -219,7 +219,7 @@ mod a_row {
 
     broken! {
         measured_twice_names_the_first: plain(), tidy!("450,0,30,90,1\n# again\n450.0,-0,3e1,90,0.9\n") =>
-            "blue.csv:4: the same wavelength, angles, polarization and curve as line 2; keep one, or name two curves";
+            "blue.csv:4: the same wavelength, angles, polarization and curve as line 2; keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)";
         that_is_short_is_ragged: plain(), tidy!("450,0,30,90,1\n460,0,30\n") =>
             "blue.csv:3: the row has 3 cells, the heading line 5";
         of_one_cell_is_ragged: plain(), tidy!("450,0,30,90,1\nend of run\n") =>
@@ -278,8 +278,8 @@ mod a_wide_table {
         has_no_empty_cells: wide(Phi), b"wavelength_nm,0,10\n450,1,\n" =>
             "blue.csv:2: column 3 `10`: the cell is empty; every reading needs a value";
         has_every_wavelength_once: wide(Phi), b"wavelength_nm,0,10\n450,1,1\n450,2,2\n" =>
-            "blue.csv:3: column 2 `0`: the same wavelength, angles, polarization and curve as line 2; keep one, or name two curves"
-            "blue.csv:3: column 3 `10`: the same wavelength, angles, polarization and curve as line 2; keep one, or name two curves";
+            "blue.csv:3: column 2 `0`: the same wavelength, angles, polarization and curve as line 2; keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)"
+            "blue.csv:3: column 3 `10`: the same wavelength, angles, polarization and curve as line 2; keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)";
     }
 }
 

@@ -258,7 +258,8 @@ impl fmt::Display for FindingKind {
             Self::DuplicateReading { first } => {
                 write!(
                     f,
-                    "the same wavelength, angles, polarization and curve as {first}; keep one, or name two curves"
+                    "the same wavelength, angles, polarization and curve as {first}; keep one, name two curves, or fit the parts \
+                     of a file apart (morpho-fit batch --by COLUMN)"
                 )
             }
         }

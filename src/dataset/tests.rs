@@ -296,7 +296,7 @@ fn readings_from_values_pass_the_checks_of_a_file() {
         record ` b` has no reading; leave it out\n\
         line 12, `intensity`: `NaN` is not finite; leave the row out if nothing was measured\n\
         line 12, `curve`: 7 is no record; there are 3, counted from 0\n\
-        reading 2: the same wavelength, angles, polarization and curve as reading 1; keep one, or name two curves\n\
+        reading 2: the same wavelength, angles, polarization and curve as reading 1; keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)\n\
         reading 3, `theta_deg`: 114.59155902616465 is outside the half space; an angle must be from -90 to 90 degrees\n\
         reading 3, `sigma`: no value here, but other readings have one; give a sigma for every reading or for none";
     assert_eq!(Dataset::from_readings(readings, names()).unwrap_err().to_string(), expected);

@@ -146,7 +146,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         warnings.extend(identifiability.undetermined.iter().cloned());
         warnings.extend(warnings::hidden_scale(found));
         warnings.extend(warnings::open_intervals(found, &estimates));
-        warnings.extend(warnings::bounds(&estimates));
+        warnings.extend(warnings::bounds(found, &estimates));
         warnings.extend(warnings::others(found, &estimates, unit));
     }
     let (covariance, correlation) = uncertainty.named_matrices(found);

@@ -1,5 +1,6 @@
 //! Warnings of a fit: outliers, bounds, hidden scales, intervals without ends, other minima.
 
+use crate::dataset::Reading;
 use crate::inversion::estimates::{Found, as_good};
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{Estimate, FittedReading, Status};
@@ -19,13 +20,16 @@ pub(crate) fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) 
     })
 }
 
-pub(crate) fn bounds(estimates: &[Estimate; COUNT]) -> Vec<String> {
+pub(crate) fn bounds(found: &Found<'_>, estimates: &[Estimate; COUNT]) -> Vec<String> {
+    // At angles of 0 there is no sign to be wrong.
+    let signed = |reading: &Reading| reading.geometry.theta != 0.0 || reading.geometry.phi != 0.0;
+    let turned = found.data.readings().iter().any(signed);
     (Parameter::ALL.iter().zip(estimates))
         .filter(|(_, estimate)| estimate.status == Status::AtBound)
         .map(|(parameter, estimate)| {
             let value = estimate.value.unwrap_or_default();
             let unit = parameter.unit();
-            let hint = if *parameter == Parameter::Delta {
+            let hint = if *parameter == Parameter::Delta && turned {
                 " (or is phi the other way round? a mirror reflects theta = 20 into phi = -20)"
             } else {
                 ""
