@@ -220,6 +220,24 @@ fn a_thickness_at_its_bound_is_no_missing_thickness() {
     assert_eq!((found.verdict, found.parameters.d_air.status), (Verdict::PartlyDetermined, Status::AtBound));
 }
 
+/// Where every angle is 0 a tilt on its bound says nothing of signs.
+#[test]
+fn signs_are_asked_about_only_where_there_are_any() {
+    let tilted = Structure { delta: radians(5.0), ..Structure::blue() };
+    let nuisances = Nuisances { scale: Extent::None, ..Nuisances::default() };
+    let settings = FitSettings { nuisances, ..FitSettings::default() }
+        .with_role(Parameter::PhiAlpha, Role::Fixed { value: tilted.phi_alpha })
+        .with_role(Parameter::Delta, Role::Free { lower: radians(-1.0), upper: radians(1.0) });
+    let spectrum = || Scan::spectrum(90.0);
+    for (scans, asked) in [(vec![spectrum()], false), (vec![spectrum(), Scan::angular(470.0, 90.0)], true)] {
+        let data = simulate(&BlendModel::default(), &tilted, &scans, 1.0, 0.01, 1).unwrap();
+        let found = quiet(&data, &settings).outcome;
+        assert_eq!(found.parameters.delta.status, Status::AtBound);
+        let hint = found.warnings.iter().any(|warning| warning.contains("the other way round"));
+        assert_eq!(hint, asked, "{:?}", found.warnings);
+    }
+}
+
 #[test]
 fn one_direction_without_a_scale_is_warned_of() {
     let nuisances = Nuisances { scale: Extent::None, ..Nuisances::default() };

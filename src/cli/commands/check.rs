@@ -262,7 +262,7 @@ fn expectation(expected: &Expected) -> String {
         text.push('\n');
     }
     for sentence in &expected.undetermined {
-        text.push_str(&format!("! {sentence}\n"));
+        text.push_str(&terminal::wrapped(sentence, "! ", "  ", WIDTH));
     }
     text.push('\n');
     if expected.good {
