@@ -139,10 +139,11 @@ pub(crate) fn laplace(
 /// Laplace's approximation: Tierney and Kadane 1986, DOI 10.1080/01621459.1986.10478240.
 pub(crate) fn weights(minima: &[Minimum], ranges: &DVector<f64>, unit: f64) -> Vec<f64> {
     let Some(best) = minima.first() else { return Vec::new() };
-    let logarithm = |minimum: &Minimum| laplace(minimum, best, ranges, unit).map(|(_, logarithm)| logarithm);
-    if let [_] = minima {
-        return vec![1.0];
+    if let [only] = minima {
+        // All of it, if there is a curvature at all.
+        return vec![if only.triangle.iter().all(|value| value.is_finite()) { 1.0 } else { 0.0 }];
     }
+    let logarithm = |minimum: &Minimum| laplace(minimum, best, ranges, unit).map(|(_, logarithm)| logarithm);
     let all: Vec<f64> = minima.iter().map(|minimum| logarithm(minimum).unwrap_or(f64::NEG_INFINITY)).collect();
     let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !most.is_finite() {

@@ -7,8 +7,8 @@
 //! unique (wavelength, theta, phi, omega)     all but the stack, of a model that is one product
 //! ```
 //!
-//! Each reading is then three indices and two shares. [`Terms`] holds the values at the unique points for one structure;
-//! changing one parameter renews only the terms it enters.
+//! Each reading is then three indices and two shares ([`points`]). [`Terms`] holds the values at the unique points for one structure, in
+//! parts that some parameters alone enter ([`terms`]).
 
 mod model_held;
 mod points;

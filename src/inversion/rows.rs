@@ -1,4 +1,5 @@
-//! The readings of a plan in runs along which a node stands still or goes on by one, for arithmetic in vector registers (`kernels`).
+//! The readings of a plan in runs along which a node stands still or goes on by one, for arithmetic in vector registers: values
+//! (`kernels`), and derivatives with the sums of their products (`slopes`).
 
 mod kernels;
 mod slopes;

@@ -10,6 +10,7 @@ use crate::inversion::outcome::{
     Status, Verdict,
 };
 use crate::inversion::parameter::{COUNT, Parameter};
+use crate::inversion::plan::PlannedReading;
 use crate::inversion::problem::{Evaluation, Problem};
 use crate::inversion::quantity::indices;
 use crate::inversion::residuals::{by_curve, curve_residuals, neighbours, tests_by_curve, worst_curve};
@@ -237,10 +238,13 @@ fn about_constants(found: &Found<'_>) -> f64 {
     let each = nuisances.scale == Extent::PerCurve || nuisances.background == Extent::PerCurve;
     let weighted = found.plan.rows.weighted(found.robust);
     let mut sums = vec![(0.0, 0.0, 0.0); found.plan.curves];
-    for (curve, span) in found.plan.rows.spans() {
-        let [w, y] = [&weighted.weights, &weighted.intensities].map(|values| &values[span.clone()]);
-        let sum = &mut sums[if each { *curve } else { 0 }];
+    let curve_of = |reading: &PlannedReading| if each { reading.curve } else { 0 };
+    let mut first = 0;
+    for span in found.plan.readings().chunk_by(|a, b| curve_of(a) == curve_of(b)) {
+        let [w, y] = [&weighted.weights, &weighted.intensities].map(|values| &values[first..first + span.len()]);
+        let sum = &mut sums[curve_of(&span[0])];
         *sum = (sum.0 + dot(w, w), sum.1 + dot(w, y), sum.2 + dot(y, y));
+        first += span.len();
     }
     sums.iter().filter(|sum| sum.0 > 0.0).map(|(w, wy, yy)| yy - wy * wy / w).sum()
 }

@@ -25,15 +25,38 @@ pub fn right_singular(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f6
         return Some((DVector::zeros(n), DMatrix::identity(n, n)));
     }
     let scaled = matrix / size;
-    let is_triangle = m == n && (0..n).all(|j| scaled.column(j).iter().skip(j + 1).all(|below| *below == 0.0));
-    let factor = if is_triangle { scaled } else { scaled.qr().r() };
+    let factor = if m == n && is_upper_triangle(&scaled) { scaled } else { scaled.qr().r() };
     let svd = factor.try_svd(false, true, f64::EPSILON, 0)?;
     Some((svd.singular_values * size, svd.v_t?))
+}
+
+/// Whether all below the diagonal is 0.
+pub(crate) fn is_upper_triangle(matrix: &DMatrix<f64>) -> bool {
+    matrix.column_iter().enumerate().all(|(j, column)| column.iter().skip(j + 1).all(|below| *below == 0.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The factor of a matrix, which is taken as it is, has the singular values and vectors of the matrix, which is factored first.
+    #[test]
+    fn a_triangle_is_taken_as_it_is() {
+        let matrix = DMatrix::from_fn(7, 4, |i, j| ((3 * i + 1) as f64).sin().powi(1 + j as i32));
+        let factor = matrix.clone().qr().r();
+        assert!(is_upper_triangle(&factor) && !is_upper_triangle(&matrix));
+        let mut nearly = factor.clone();
+        nearly[(3, 0)] = 1e-9;
+        assert!(!is_upper_triangle(&nearly));
+        let (values, vectors) = right_singular(&matrix).unwrap();
+        for other in [factor, nearly] {
+            let (found, directions) = right_singular(&other).unwrap();
+            for k in 0..4 {
+                assert!((found[k] - values[k]).abs() < 1e-8 * values[0]);
+                assert!((directions.row(k).dot(&vectors.row(k)).abs() - 1.0).abs() < 1e-8);
+            }
+        }
+    }
 
     #[test]
     fn huge_and_tiny_matrices_do_not_overflow() {

@@ -8,7 +8,8 @@
 //! [`argmin::core::Operator`] (residuals), [`argmin::core::Jacobian`] and [`Linearise`].
 //!
 //! # Source
-//! Moré 1978, DOI 10.1007/BFb0067700 (MINPACK `lmder`): its radius rules and its tests for the end.
+//! Moré 1978, DOI 10.1007/BFb0067700 (MINPACK `lmder`): its radius rules and its tests for the end. That a whole step which promises
+//! next to nothing is not tried is ours: its promise is the squared cosine between the residuals and all columns together.
 
 use crate::numerics::dot::dot;
 use crate::optimise::bounds::Bounds;
@@ -240,7 +241,8 @@ where
             }
             let length = trial.step.component_mul(&d).norm();
             let predicted = -(&r * &trial.step).dot(&(&b + 0.5 * (&r * &trial.step))) / cost;
-            if !trial.held_back && predicted <= NOT_TRIED * self.tolerances.cost {
+            // A step that was cut short promises less than the minimum has, or even a rise.
+            if trial.is_whole() && predicted <= NOT_TRIED * self.tolerances.cost {
                 self.products = Some(products);
                 let state = back(state, parameters, residuals, cost);
                 return Ok((self.end(state, Termination::CostConverged), None));

@@ -1,7 +1,7 @@
 //! One run from one start.
 
 use crate::numerics::dot::dot;
-use crate::numerics::singular::right_singular;
+use crate::numerics::singular::{is_upper_triangle, right_singular};
 use crate::optimise::levenberg_marquardt::{LevenbergMarquardt, Tolerances};
 use crate::optimise::objective::{ArgminProblem, LeastSquares};
 use crate::optimise::termination::Termination;
@@ -153,11 +153,10 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
 /// Whether the pivots of a triangle alone tell that no direction is flat: of its singular values the least over the largest is
 /// at least `|det| / ‖triangle‖^n`.
 fn is_far_from_flat(triangle: &DMatrix<f64>) -> bool {
-    let n = triangle.ncols();
-    let is_triangle = (0..n).all(|j| triangle.column(j).iter().skip(j + 1).all(|below| *below == 0.0));
     let size = triangle.norm();
-    let least: f64 = (0..n.min(triangle.nrows())).map(|j| triangle[(j, j)].abs() / size).product();
-    is_triangle && triangle.nrows() >= n && least > FLAT
+    let (rows, n) = triangle.shape();
+    let least: f64 = (0..n.min(rows)).map(|j| triangle[(j, j)].abs() / size).product();
+    rows >= n && is_upper_triangle(triangle) && least > FLAT
 }
 
 /// Whether some combination of the parameters inside the box does nothing.
@@ -185,5 +184,74 @@ fn is_flat<L: LeastSquares + ?Sized>(problem: &L, found: &Minimum) -> bool {
     match right_singular(&scaled) {
         Some((values, _)) => values.iter().any(|&value| value <= FLAT * values.max()),
         None => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::Bounds;
+
+    /// A valley across which the least-squares step is long: cut at the walls of the box it would rise.
+    struct Valley {
+        bounds: Bounds,
+        scales: DVector<f64>,
+    }
+
+    impl LeastSquares for Valley {
+        fn residuals(&self, p: &DVector<f64>) -> DVector<f64> {
+            let (x, y) = (p[0] - 10.0, p[1] - 10.0);
+            DVector::from_vec(vec![x + y, 0.01 * y + 1.0])
+        }
+
+        fn bounds(&self) -> &Bounds {
+            &self.bounds
+        }
+
+        fn scales(&self) -> &DVector<f64> {
+            &self.scales
+        }
+    }
+
+    #[test]
+    fn a_step_that_walls_cut_short_is_no_end() {
+        let bounds = Bounds::new(&[0.0, 0.0], &[50.0, 50.0]).unwrap();
+        let valley = Valley { bounds, scales: DVector::from_element(2, 1.0) };
+        let start = DVector::from_element(2, 10.0);
+        for cost in [1e-4, 1e-10] {
+            let found = minimise(&valley, &start, Tolerances { cost, ..Tolerances::default() });
+            // On the wall y = 0 the least of (x - 20)² + 0.81 is at 20.
+            assert!(found.termination.was_successful(), "{:?}", found.termination);
+            assert!((found.sum_of_squares() - 0.81).abs() < 1e-4 && found.parameters[1] <= 0.0, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn pivots_tell_no_more_than_singular_values() {
+        let told = |triangle: &DMatrix<f64>| {
+            let (values, _) = right_singular(triangle).unwrap();
+            values.iter().all(|&value| value > FLAT * values.max())
+        };
+        let round = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, -0.5, 0.0, 3.0, 0.1, 0.0, 0.0, 1e-3]);
+        assert!(is_far_from_flat(&round) && told(&round));
+        // Sound pivots, and yet a direction that does next to nothing.
+        let n = 40;
+        let hidden = DMatrix::from_fn(n, n, |i, j| {
+            if i == j {
+                1.0
+            } else if i < j {
+                -1.0
+            } else {
+                0.0
+            }
+        });
+        assert!(!is_far_from_flat(&hidden) && !told(&hidden));
+        let mut full = round.clone();
+        full[(2, 0)] = 1.0;
+        for other in [full, DMatrix::zeros(1, 1), DMatrix::from_element(1, 1, f64::NAN), round.rows(0, 2).into_owned()]
+        {
+            assert!(!is_far_from_flat(&other), "{other}");
+        }
+        assert!(is_far_from_flat(&DMatrix::from_element(1, 1, -1e-200)));
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Termination {
-    /// Neither the last step nor the next one lowers the cost by a share that matters.
+    /// The next step lowers the cost by no share that matters: it was tried, or its promise is too small to try it.
     CostConverged,
     /// The region in which the solver trusts its model is smaller than a step that matters.
     StepConverged,

@@ -9,6 +9,7 @@
 //! values of `R D⁻¹` in place of his pivoted QR: for the few columns of a fit it is as fast and sees rank loss. A triangle far from
 //! that is solved by substitution first: in the ball, that is the step.
 
+use crate::numerics::singular::is_upper_triangle;
 use nalgebra::{DMatrix, DVector};
 
 /// A multiplier is good enough if the step's length is within this share of the radius (as in MINPACK).
@@ -19,11 +20,26 @@ const MAX_NEWTON_STEPS: usize = 30;
 /// A diagonal entry that is less of its column than this may hide a rank loss: singular values tell.
 const LEAST_SHARE: f64 = 1e-4;
 
-/// A step, and whether the radius held it back.
+/// A step, and whether the radius held it back or it met a wall of the box.
 #[derive(Debug, Clone)]
 pub(crate) struct Step {
     pub(crate) step: DVector<f64>,
     pub(crate) held_back: bool,
+    pub(crate) met_wall: bool,
+}
+
+impl Step {
+    /// Whether it is the least-squares step itself.
+    pub(crate) fn is_whole(&self) -> bool {
+        !self.held_back && !self.met_wall
+    }
+}
+
+/// The step in a ball.
+#[derive(Debug, Clone)]
+struct InBall {
+    step: DVector<f64>,
+    held_back: bool,
 }
 
 /// The step for columns `r` (`[k, n]`), right side `b` (`[k]`), scaling `d` (`[n]`) and the box of the step.
@@ -42,7 +58,7 @@ pub(crate) fn bounded_step(
     let mut free: Vec<usize> = (0..n).collect();
     let mut rest = b.clone();
     let mut room = radius * radius;
-    let mut held_back = false;
+    let (mut held_back, mut met_wall) = (false, false);
     while !free.is_empty() {
         let scaled = DMatrix::from_fn(r.nrows(), free.len(), |i, c| r[(i, free[c])] / d[free[c]]);
         let inner = unbounded_step(scaled, &rest, room.max(0.0).sqrt());
@@ -58,37 +74,35 @@ pub(crate) fn bounded_step(
         if on_wall.is_empty() {
             break;
         }
+        met_wall = true;
         for &j in &on_wall {
             rest += r.column(j) * step[j];
             room -= (d[j] * step[j]).powi(2);
         }
         free.retain(|j| !on_wall.contains(j));
     }
-    Step { step, held_back }
+    Step { step, held_back, met_wall }
 }
 
 /// The least-squares step itself, if `a` is a triangle far from rank loss: the last steps of a run are of this kind.
 fn by_substitution(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     let n = a.ncols();
-    let sound = |j: usize| {
-        let column = a.column(j);
-        a[(j, j)].abs() > LEAST_SHARE * column.norm() && column.iter().skip(j + 1).all(|below| *below == 0.0)
-    };
-    if a.nrows() != n || !(0..n).all(sound) {
+    let sound = |j: usize| a[(j, j)].abs() > LEAST_SHARE * a.column(j).norm();
+    if a.nrows() != n || !is_upper_triangle(a) || !(0..n).all(sound) {
         return None;
     }
     a.solve_upper_triangular(&-b)
 }
 
 /// `minimise ‖A z + b‖ over ‖z‖ <= radius`.
-fn unbounded_step(a: DMatrix<f64>, b: &DVector<f64>, radius: f64) -> Step {
+fn unbounded_step(a: DMatrix<f64>, b: &DVector<f64>, radius: f64) -> InBall {
     if let Some(step) = by_substitution(&a, b).filter(|step| step.norm() <= radius * (1.0 + RADIUS_TOLERANCE)) {
-        return Step { step, held_back: false };
+        return InBall { step, held_back: false };
     }
     let columns = a.ncols();
     let svd = a.svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-        return Step { step: DVector::zeros(columns), held_back: true };
+        return InBall { step: DVector::zeros(columns), held_back: true };
     };
     let singular = svd.singular_values;
     let components = u.tr_mul(b);
@@ -102,7 +116,7 @@ fn unbounded_step(a: DMatrix<f64>, b: &DVector<f64>, radius: f64) -> Step {
     };
     let newton = at(0.0);
     if newton.norm() <= radius * (1.0 + RADIUS_TOLERANCE) {
-        return Step { step: v_t.tr_mul(&newton), held_back: false };
+        return InBall { step: v_t.tr_mul(&newton), held_back: false };
     }
     // Newton's method on 1/radius - 1/‖z‖, which is nearly linear in the multiplier and is approached from below.
     let mut multiplier = 0.0;
@@ -119,7 +133,7 @@ fn unbounded_step(a: DMatrix<f64>, b: &DVector<f64>, radius: f64) -> Step {
         multiplier += (length / radius - 1.0) * length * length / slope;
         z = at(multiplier);
     }
-    Step { step: v_t.tr_mul(&z), held_back: true }
+    InBall { step: v_t.tr_mul(&z), held_back: true }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! The same bits with every set of vector instructions: nothing is fused.
 #![allow(clippy::needless_range_loop, reason = "one index into several arrays is the loop that becomes vector code")]
 
+use crate::numerics::blocks::padded;
 use crate::optics::lamella::{CHEBYSHEV_LAYERS, array_factor, chebyshev, slit_factor};
 use multiversion::multiversion;
 
@@ -40,13 +41,6 @@ impl Lamellae {
     }
 }
 
-#[inline(always)]
-fn padded(values: &[f64]) -> [f64; BLOCK] {
-    let mut block = [0.0; BLOCK];
-    block[..values.len()].copy_from_slice(values);
-    block
-}
-
 /// Sums of `A² S²` over wavelengths by three lists of weights, one for each direction.
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
 pub(super) fn colours(
@@ -57,8 +51,8 @@ pub(super) fn colours(
     v: &[f64],
     out: &mut [[f64; 3]],
 ) {
-    for ((u, v), out) in u.chunks(BLOCK).zip(v.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
-        let (u, v) = (padded(u), padded(v));
+    for (number, out) in out.chunks_mut(BLOCK).enumerate() {
+        let (u, v) = (padded(u, number * BLOCK), padded(v, number * BLOCK));
         let mut sums = [[0.0; BLOCK]; 3];
         for (((&half_k, &x), &y), &z) in half_k.iter().zip(&weights[0]).zip(&weights[1]).zip(&weights[2]) {
             let found = of.block(half_k, &u, &v);
@@ -78,8 +72,8 @@ pub(super) fn colours(
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
 pub(super) fn spectra(of: Lamellae, half_k: &[f64], u: &[f64], v: &[f64], out: &mut [f64]) {
     let count = half_k.len();
-    for ((u, v), out) in u.chunks(BLOCK).zip(v.chunks(BLOCK)).zip(out.chunks_mut(BLOCK * count)) {
-        let (u, v) = (padded(u), padded(v));
+    for (number, out) in out.chunks_mut(BLOCK * count).enumerate() {
+        let (u, v) = (padded(u, number * BLOCK), padded(v, number * BLOCK));
         for (index, &half_k) in half_k.iter().enumerate() {
             let found = of.block(half_k, &u, &v);
             for (spectrum, found) in out.chunks_mut(count).zip(found) {

@@ -43,11 +43,13 @@ pub(super) struct Points {
     pub(super) stack: Vec<StackRun>,
     /// Number of stack nodes.
     pub(super) nodes: usize,
+    /// `k v / 2`, `k u / 2` (1/nm) and `cos²(theta)` of each lamella node, as in [`LamellaNode`].
     pub(super) half_kv: Vec<f64>,
     pub(super) half_ku: Vec<f64>,
     pub(super) obliquity: Vec<f64>,
+    /// Incidence and view of each lobe node, rad.
     pub(super) lobe: Vec<(f64, f64)>,
-    /// The same of a product; then there are no lamella nodes and no lobes.
+    /// The nodes of a product; then there are no lamella nodes and no lobes.
     pub(super) product: Vec<HybridNode>,
     /// Number of directions of incidence and view in which the stack is seen.
     pub(super) directions: usize,

@@ -4,21 +4,19 @@
 
 use super::kernels::{Found, LANES, Listed, Onward, Place, Still, lanes};
 use super::{Nodes, Run};
+use crate::inversion::parameter::COUNT;
 use crate::numerics::blocks::padded;
 use crate::numerics::fused::{fused_or_not, mul_add};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
-/// Columns: `d_air`, `d_cuticle`, the tilt, the half-width of the lobe and the width of the lamellae.
-pub(crate) const COLUMNS: usize = 5;
-
-/// Weighted derivatives of neighbouring readings of one run.
+/// Weighted derivatives of neighbouring readings of one run, a column for each parameter.
 ///
 /// As long as a vector register in each column and laid like one: none lies across two lines of the cache.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct Chunk {
-    columns: [[f64; LANES]; COLUMNS],
+    columns: [[f64; LANES]; COUNT],
     /// The reading of the first lane.
     first: usize,
     /// The lanes from `start` to `end` are its own; the derivatives of the others are 0.
@@ -27,10 +25,10 @@ pub(crate) struct Chunk {
 }
 
 impl Chunk {
-    const ZERO: Self = Self { columns: [[0.0; LANES]; COLUMNS], first: 0, start: 0, end: 0 };
+    const ZERO: Self = Self { columns: [[0.0; LANES]; COUNT], first: 0, start: 0, end: 0 };
 
     /// Each reading with its derivatives.
-    pub(crate) fn readings(&self) -> impl Iterator<Item = (usize, [f64; COLUMNS])> {
+    pub(crate) fn readings(&self) -> impl Iterator<Item = (usize, [f64; COUNT])> {
         (self.start..self.end).map(|lane| (self.first + lane, self.columns.map(|column| column[lane])))
     }
 }
@@ -46,7 +44,8 @@ pub(super) struct Slopes<'a> {
     pub(super) stack: [&'a [f64]; 4],
     /// L, and its derivatives by the tilt, the half-width and the width of the lamellae.
     pub(super) lobe: [&'a [f64]; 4],
-    /// Whether the lobe depends on the width of the lamellae, as that of a product does; else its fourth list means nothing.
+    /// Whether the lobe depends on the width of the lamellae, as that of a product does; else its fourth list is taken 0 times, and
+    /// may be any of finite values and the length of the others.
     pub(super) lobe_sees_width: bool,
 }
 
@@ -107,7 +106,7 @@ fn fill_run(
     }
     if let Some(last) = out.last_mut() {
         for lane in (0..last.start).chain(last.end..LANES) {
-            for j in 0..COLUMNS {
+            for j in 0..COUNT {
                 last.columns[j][lane] = 0.0;
             }
         }
@@ -198,9 +197,9 @@ fn lamella_at<const N: usize, P: Found, W: Found>(
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sums {
     /// Products of each column with itself and those before it; 0 elsewhere.
-    pub(crate) gram: [[f64; COLUMNS]; COLUMNS],
+    pub(crate) gram: [[f64; COUNT]; COUNT],
     /// Products with the residuals.
-    pub(crate) gradient: [f64; COLUMNS],
+    pub(crate) gradient: [f64; COUNT],
 }
 
 /// The sums of `chunks`; `residuals` are those of all readings.
@@ -281,18 +280,18 @@ fn add<const FUSED: bool, const N: usize>(a: [f64; N], b: [f64; N], c: [f64; N])
 
 /// The lanes together; apart from the loops, whose sums then stay in registers.
 #[inline(never)]
-fn together<const N: usize>(gram: &[[[f64; N]; COLUMNS]; COLUMNS], gradient: &[[f64; N]; COLUMNS]) -> Sums {
+fn together<const N: usize>(gram: &[[[f64; N]; COUNT]; COUNT], gradient: &[[f64; N]; COUNT]) -> Sums {
     let one = |lanes: &[f64; N]| lanes.iter().sum();
     Sums { gram: gram.map(|row| row.each_ref().map(one)), gradient: gradient.each_ref().map(one) }
 }
 
 /// The products of each column of `chunks` with `values`, of all readings.
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
-pub(crate) fn along(chunks: &[Chunk], values: &[f64]) -> [f64; COLUMNS] {
-    let mut sums = [[0.0; LANES]; COLUMNS];
+pub(crate) fn along(chunks: &[Chunk], values: &[f64]) -> [f64; COUNT] {
+    let mut sums = [[0.0; LANES]; COUNT];
     for chunk in chunks {
         let values = padded::<LANES>(values, chunk.first);
-        for j in 0..COLUMNS {
+        for j in 0..COUNT {
             for lane in 0..LANES {
                 sums[j][lane] += chunk.columns[j][lane] * values[lane];
             }

@@ -3,7 +3,7 @@
 use super::slopes::steepness_of_both;
 use super::*;
 use crate::optics::Stack;
-use crate::optics::multilayer::{StackSlopes, THICKNESSES, periodic};
+use crate::optics::multilayer::{StackSlopes, THICKNESSES, periodic, spectra, unpolarized_spectra};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -205,6 +205,40 @@ fn deep_in_the_gap_and_on_an_order_the_two_forms_agree() {
             let allowed = if line < 580.0 && layers > 1000 { 1e-8 } else { 1e-11 };
             assert!((scalar.s - found.s).abs() < allowed, "{layers} layers, {line} nm: {scalar:?} {found:?}");
             assert!(layers < 1000 || line < 580.0 || (found.s - 1.0).abs() < 1e-15, "{layers}: {found:?}");
+        }
+    }
+}
+
+/// The mean alone against that of both: at all angles, past grazing and past the critical angle, absorbing, too thick to compute,
+/// and for spectra shorter than a block.
+#[test]
+fn unpolarized_spectra_are_the_mean_of_both() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(31);
+    for case in 0..400 {
+        let (mut media, period, angle) = drawn(case, &mut random);
+        let layers = [1, 2, 9, 17, 3000][case % 5];
+        if case % 7 == 3 {
+            media.cuticle.im = 0.06;
+        }
+        let wavelengths: Vec<f64> = (0..1 + case % 45).map(|i| 400.0 + 7.0 * i as f64).collect();
+        let angles = [angle, -angle, 1.6, std::f64::consts::FRAC_PI_2];
+        let both = spectra(&media, &wavelengths, period, layers, &angles).unwrap();
+        let mean = unpolarized_spectra(&media, &wavelengths, period, layers, &angles).unwrap();
+        assert_eq!(both.len(), mean.len());
+        for (both, mean) in both.iter().zip(&mean) {
+            assert!((both.mean() - mean).abs() < 1e-15, "case {case}: {both:?} {mean}");
+        }
+        let Some(incidence) = Incidence::refracted(&media, angle).filter(|_| media.absorbing().is_none()) else {
+            continue;
+        };
+        let rule = |rule| Fixed::new(&Admittances::each(&media, &incidence.cosines, rule));
+        let row = [Row { y: [rule(Rule::S), rule(Rule::P)], paths: Paths::new(&media, &incidence, period) }];
+        let wavenumbers: Vec<f64> = wavelengths.iter().map(|nm| std::f64::consts::TAU / nm).collect();
+        let mut portable = vec![f64::NAN; wavelengths.len()];
+        values_of_both::<false>(&row, &wavenumbers, layers, &mut portable);
+        let rounded = (layers * layers) as f64 * f64::EPSILON;
+        for (portable, mean) in portable.iter().zip(&mean) {
+            assert!((portable - mean).abs() < 1e-10 + rounded, "case {case}: {portable} {mean}");
         }
     }
 }
