@@ -4,7 +4,7 @@ use crate::dataset::{Dataset, Findings, Reading};
 use crate::inversion::advice::{AdviceError, AdviceFound, Ask, advise, is_good};
 use crate::inversion::fit::{FitError, fit};
 use crate::inversion::nuisance::Extent;
-use crate::inversion::outcome::{Estimate, FitOutcome};
+use crate::inversion::outcome::{Estimate, FitOutcome, Status};
 use crate::inversion::parameter::{COUNT, Parameter, Role, structure, values};
 use crate::inversion::settings::{FitSettings, Search};
 use crate::inversion::space::Space;
@@ -52,7 +52,7 @@ fn quantities(outcome: &FitOutcome) -> [(&'static str, &Estimate); COUNT + 2] {
 /// What a design tells of one quantity over structures drawn evenly from the bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Elsewhere {
-    /// Structures that were tried.
+    /// Structures that were tried; 0 of what is fixed.
     pub structures: usize,
     /// Of how many the quantity is told.
     pub told: usize,
@@ -115,8 +115,14 @@ pub fn expected(
     let proposals = if good { Vec::new() } else { advise(&design, &found, Ask::Always)? };
     let noise = if data.has_sigma() { "the stated sigma".to_owned() } else { "noise of 1 % of the peak".to_owned() };
     progress("trying other structures");
+    let mut elsewhere = elsewhere(data, &settings, model.as_ref());
+    for (elsewhere, (_, estimate)) in elsewhere.iter_mut().zip(quantities(&found.outcome)) {
+        if estimate.status == Status::Fixed {
+            *elsewhere = Elsewhere::default();
+        }
+    }
     Ok(Expected {
-        elsewhere: elsewhere(data, &settings, model.as_ref()),
+        elsewhere,
         assuming: format!("of a structure like the assumed one, with {noise}"),
         outcome: found.outcome,
         good,
@@ -164,7 +170,9 @@ fn started_at(settings: &FitSettings, values: &[f64; COUNT]) -> FitSettings {
 
 /// What fits of noiseless data of other structures tell, each from its own values.
 fn elsewhere(data: &Dataset, settings: &FitSettings, model: &dyn ReflectivityModel) -> [Elsewhere; COUNT + 2] {
-    let Ok(space) = Space::new(&settings.roles) else { return Default::default() };
+    let Some(space) = Space::new(&settings.roles).ok().filter(|space| !space.freedom.free.is_empty()) else {
+        return Default::default();
+    };
     let points = space.bounds.latin_hypercube(OTHERS, settings.seed);
     let one = |point: &DVector<f64>| {
         let values = space.freedom.expand(point);
@@ -231,7 +239,7 @@ mod tests {
         let narrow = expected(&data, &settings, &|_| {}).unwrap();
         for ((name, estimate), elsewhere) in narrow.each().iter().zip(&narrow.elsewhere) {
             if *name == "lamella_width" {
-                assert_eq!((elsewhere.told, elsewhere.middle), (0, None));
+                assert_eq!(*elsewhere, Elsewhere::default());
                 continue;
             }
             let (sigma, [least, most]) = (estimate.sigma.unwrap(), elsewhere.middle.unwrap());

@@ -261,7 +261,7 @@ impl<'a> Problem<'a> {
 
 impl LeastSquares for Problem<'_> {
     fn residuals(&self, free: &DVector<f64>) -> DVector<f64> {
-        let with_slopes = self.derivative == Derivative::Exact;
+        let with_slopes = self.derivative == Derivative::Exact && self.plan.has_lamella_slopes();
         let Some(point) = self.evaluate_in(self.last.take(), free, with_slopes) else {
             return DVector::from_element(self.plan.len(), f64::INFINITY);
         };

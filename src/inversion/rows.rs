@@ -1,17 +1,19 @@
 //! The readings of a plan in runs along which a node stands still or goes on by one, for arithmetic in vector registers: values
-//! (`kernels`), and derivatives with the sums of their products (`slopes`).
+//! (`kernels`), derivatives (`slopes`) and the sums of their products (`sums`).
 
 mod kernels;
 mod slopes;
+mod sums;
 
 use crate::inversion::plan::{PlannedReading, TermsView};
 pub(crate) use kernels::residuals;
 use kernels::{lamellae, multilayers};
-pub(crate) use slopes::{Chunk, along, sums};
+pub(crate) use slopes::Chunk;
 use slopes::{Slopes, slopes};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
+pub(crate) use sums::{along, sums};
 
 /// Runs shorter than this are joined, and their nodes listed.
 const SHORT: usize = 8;
@@ -207,17 +209,17 @@ impl Rows {
         multilayers(&mut parts.multilayer, weights, &self.layout.runs, [terms.stack, terms.lobe]);
     }
 
-    /// Model A at every reading, with its share of the plane, times its weight.
-    pub(crate) fn lamella(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
+    /// Model A, of these values at its nodes, at every reading, with its share of the plane, times its weight.
+    pub(crate) fn lamella(&self, nodes: &[f64], weights: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; weights.len()];
-        lamellae(&mut values, weights, &self.layout.runs, terms.lamella);
+        lamellae(&mut values, weights, &self.layout.runs, nodes);
         values
     }
 
-    /// The same of Model B.
-    pub(crate) fn multilayer(&self, terms: TermsView<'_>, weights: &[f64]) -> Vec<f64> {
+    /// The same of Model B, of stack and lobe.
+    pub(crate) fn multilayer(&self, nodes: [&[f64]; 2], weights: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; weights.len()];
-        multilayers(&mut values, weights, &self.layout.runs, [terms.stack, terms.lobe]);
+        multilayers(&mut values, weights, &self.layout.runs, nodes);
         values
     }
 

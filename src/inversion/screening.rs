@@ -4,7 +4,7 @@
 //! the two see their product. On a grid of 5 × 3 × 4 of these, 15 + 4 sums stand for 60.
 
 use crate::inversion::nuisance::Sums;
-use crate::inversion::plan::{Plan, TermsView};
+use crate::inversion::plan::Plan;
 use crate::inversion::rows::{Rows, Weighted};
 use crate::numerics::dot::dot;
 use std::ops::Range;
@@ -48,14 +48,14 @@ impl<'a> Screening<'a> {
         Self { rows, weighted, constant, curves, crossed: rows.crossed() }
     }
 
-    /// Sums of Model A.
-    pub(crate) fn lamella(&self, terms: TermsView<'_>) -> OfPart {
-        self.of_part(self.rows.lamella(terms, &self.weighted.weights))
+    /// Sums of Model A, of its values at the nodes.
+    pub(crate) fn lamella(&self, nodes: &[f64]) -> OfPart {
+        self.of_part(self.rows.lamella(nodes, &self.weighted.weights))
     }
 
-    /// Sums of Model B.
-    pub(crate) fn multilayer(&self, terms: TermsView<'_>) -> OfPart {
-        self.of_part(self.rows.multilayer(terms, &self.weighted.weights))
+    /// Sums of Model B, of the values of stack and lobe at the nodes.
+    pub(crate) fn multilayer(&self, nodes: [&[f64]; 2]) -> OfPart {
+        self.of_part(self.rows.multilayer(nodes, &self.weighted.weights))
     }
 
     fn of_part(&self, values: Vec<f64>) -> OfPart {
@@ -120,7 +120,8 @@ mod tests {
             let Compiled { plan, linear, .. } = Compiled::new(&data, &settings, &model).unwrap();
             let terms = plan.terms(&[120.0, 75.0, -0.02, 0.7, 250.0]);
             let screening = Screening::new(&plan);
-            let (lamella, multilayer) = (screening.lamella(terms.view()), screening.multilayer(terms.view()));
+            let lamella = screening.lamella(&terms.lamella);
+            let multilayer = screening.multilayer([&terms.stack, &terms.lobe]);
             let mut equations = linear.no_equations();
             let add = |curve, sums: &Sums| linear.add(&mut equations, curve, sums);
             screening.join(&lamella, &multilayer, &mut Vec::new(), add);
@@ -131,9 +132,8 @@ mod tests {
             assert_relative_eq!(equations.best_sum_of_squares(), expected, max_relative = 1e-10);
 
             // Where the model has no value there is no sum, however many coefficients there are.
-            let mut none = terms.clone();
-            none.stack.fill(f64::NAN);
-            let multilayer = screening.multilayer(none.view());
+            let none = vec![f64::NAN; terms.stack.len()];
+            let multilayer = screening.multilayer([&none, &terms.lobe]);
             equations.clear();
             screening
                 .join(&lamella, &multilayer, &mut Vec::new(), |curve, sums| linear.add(&mut equations, curve, sums));

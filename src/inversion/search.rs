@@ -6,7 +6,7 @@
 use crate::inversion::compiled::Compiled;
 use crate::inversion::nuisance::LinearPart;
 use crate::inversion::parameter::{COUNT, Parameter, inside};
-use crate::inversion::plan::{Plan, TermsView};
+use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
 use crate::inversion::screening::{OfPart, Screening};
 use crate::inversion::settings::FitSettings;
@@ -321,11 +321,10 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
             let lamella = lamellae.entry([period, lamella_width].map(key)).or_insert_with(|| {
                 let product: Vec<f64> =
                     interference.iter().zip(diffraction).map(|(array, slit)| array * slit).collect();
-                screening.lamella(TermsView { lamella: &product, stack, lobe })
+                screening.lamella(&product)
             });
-            let terms = TermsView { lamella: &[], stack, lobe };
             let multilayer =
-                multilayers.entry(([air, cuticle], lobe_key)).or_insert_with(|| screening.multilayer(terms));
+                multilayers.entry(([air, cuticle], lobe_key)).or_insert_with(|| screening.multilayer([stack, lobe]));
             equations.clear();
             screening.join(lamella, multilayer, &mut products, |curve, sums| linear.add(&mut equations, curve, sums));
             let cost = equations.best_sum_of_squares();

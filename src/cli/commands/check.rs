@@ -252,8 +252,8 @@ fn expectation(expected: &Expected) -> String {
         table.row([parameter.name.to_owned(), assumed, sigma, elsewhere, unit, status]);
     }
     text.push_str(&table.to_string());
-    if let Some(first) = expected.parameters.first() {
-        let others = first.elsewhere.structures;
+    let others = expected.parameters.iter().map(|parameter| parameter.elsewhere.structures).max().unwrap_or(0);
+    if others > 0 {
         let what = format!(
             "elsewhere: standard deviations of the middle half of {others} structures drawn from the bounds; with \"in\", \
              of so many alone are they told"

@@ -148,6 +148,11 @@ impl Plan<'_> {
         has_slopes
     }
 
+    /// Whether Model A has exact slopes.
+    pub(crate) fn has_lamella_slopes(&self) -> bool {
+        self.model.stack().layers <= lamella::CHEBYSHEV_LAYERS
+    }
+
     /// Model A by lamella node.
     pub(crate) fn lamella(&self, period: f64, width: f64) -> Vec<f64> {
         let nodes = self.lamella_nodes();

@@ -40,8 +40,8 @@ impl Columns {
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         for found in [
             sums(chunks, &others),
-            slopes::sums_of::<true, 8>(chunks, &others),
-            slopes::sums_of::<false, 4>(chunks, &others),
+            sums::sums_of::<true, 8>(chunks, &others),
+            sums::sums_of::<false, 4>(chunks, &others),
         ] {
             for j in 0..5 {
                 assert_relative_eq!(found.gradient[j], product(&self.0[j], &others), epsilon = 1e-13);
