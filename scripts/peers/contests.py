@@ -16,7 +16,7 @@ import stack
 import table
 from model import PARAMETERS, Design
 from timing import Contest, Run, program, short, timed
-from waves import library_sin_cos
+from waves import library_sin_cos, sin_cos
 
 logging.getLogger("emcee").setLevel(logging.ERROR)  # tau of a short chain is said to be uncertain; the table shows tau
 
@@ -102,8 +102,8 @@ def stack_contests(folder, path):
 class Minpack:
     """MINPACK's lmder on the compiled residuals. Each evaluation makes the derivatives too, which lmder asks for next."""
 
-    def __init__(self, design):
-        self.fill = model.compiled_residuals(design)
+    def __init__(self, design, sin_cos=sin_cos):
+        self.fill = model.compiled_residuals(design, sin_cos)
         self.residuals, self.jacobian = np.empty(design.size), np.empty((PARAMETERS, design.size))
         self.x = np.full(PARAMETERS, np.nan)
 
@@ -140,6 +140,7 @@ def read_w2(folder):
 def fit_contests(folder, path):
     workload, design, data, start = read_w2(folder)
     sigma, minpack, marquardt = workload["sigma"], Minpack(design), model.compiled_marquardt(design)
+    plain = Minpack(design, library_sin_cos)
 
     def trust_region():
         residuals = lambda x: (model.intensities(design, x) - data) / sigma
@@ -154,7 +155,8 @@ def fit_contests(folder, path):
         f"W2 {variant}",
         {
             "this crate": program(path, folder / "w2.json", "w2", variant, lambda line, _: (1, np.array(line["x"]))),
-            "MINPACK, numba with Jacobian": short(1, lambda: minpack.fit(data, sigma, start)),
+            "MINPACK, numba with Jacobian, math.sin": short(1, lambda: plain.fit(data, sigma, start)),
+            "MINPACK, numba with Jacobian, vector sine": short(1, lambda: minpack.fit(data, sigma, start)),
             "Marquardt, all in numba": short(1, lambda: marquardt(start, data, sigma)),
             "scipy TRF, numpy, differences": short(1, trust_region),
         },
@@ -170,6 +172,7 @@ def pixel_contests(folder, path):
     noise = np.loadtxt(folder / workload["noise"])
     design, start = Design(workload), np.array(workload["start_all"])
     minpack, marquardt, sets = Minpack(design), model.compiled_marquardt(design), []
+    plain = Minpack(design, library_sin_cos)
     for pixel, truth in enumerate(truths):
         clean = model.intensities(design, truth)
         sigma = 0.01 * clean.max()
@@ -192,7 +195,8 @@ def pixel_contests(folder, path):
         f"W5 {PIXELS} pixels",
         {
             "this crate": program(path, folder / "w5.json", "w5", str(PIXELS), lambda line, _: (PIXELS, line["right"])),
-            "MINPACK, numba with Jacobian": batch(lambda data, sigma: minpack.fit(data, sigma, start)),
+            "MINPACK, numba with Jacobian, math.sin": batch(lambda data, sigma: plain.fit(data, sigma, start)),
+            "MINPACK, numba with Jacobian, vector sine": batch(lambda data, sigma: minpack.fit(data, sigma, start)),
             "Marquardt, all in numba": batch(lambda data, sigma: marquardt(start, data, sigma)),
         },
         "fits/s",

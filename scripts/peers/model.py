@@ -64,7 +64,7 @@ def intensities(design, x):
     return (np.multiply.outer(design.lamella_share, lamella) + np.multiply.outer(design.stack_share, stack)).ravel()
 
 
-def compiled_model(design):
+def compiled_model(design, sin_cos=sin_cos):
     """The model compiled for a design: fill(x, out) and fill_slopes(x, out, jacobian), jacobian [parameter][reading]."""
     n_air, n_cuticle, n_base = design.n_air, design.n_cuticle, design.n_base
     periods, a_ref, theta, k, phi = design.periods, design.a_ref, design.theta, design.k, design.phi
@@ -224,9 +224,9 @@ def dot(a, b):
     return total
 
 
-def compiled_residuals(design):
+def compiled_residuals(design, sin_cos=sin_cos):
     """Compiled (model - data) / sigma with its derivatives: fill(x, data, sigma, residuals, jacobian)."""
-    _, fill_slopes = compiled_model(design)
+    _, fill_slopes = compiled_model(design, sin_cos)
 
     @compiled
     def fill(x, data, sigma, residuals, jacobian):

@@ -178,14 +178,12 @@ impl<'a> Problem<'a> {
     fn slopes(&self, point: &Evaluation) -> DMatrix<f64> {
         let slopes = self.term_slopes(point);
         let mut all = DMatrix::zeros(self.plan.len(), COUNT);
+        let mut columns = all.as_mut_slice().chunks_exact_mut(self.plan.len().max(1));
+        let mut columns: [&mut [f64]; COUNT] = std::array::from_fn(|_| columns.next().unwrap_or_default());
         let mut chunks = self.chunks.take();
         for block in self.plan.rows.blocks() {
             self.slopes_of(block, point, &slopes, &mut chunks);
-            for (reading, derivatives) in chunks.iter().flat_map(Chunk::readings) {
-                for (j, derivative) in derivatives.into_iter().enumerate() {
-                    all[(reading, j)] = derivative;
-                }
-            }
+            chunks.iter().for_each(|chunk| chunk.write(&mut columns));
         }
         self.chunks.replace(chunks);
         if self.space.freedom.is_all_free() { all } else { all * self.space.freedom.matrix() }

@@ -5,6 +5,7 @@
 use super::kernels::{Found, LANES, Listed, Onward, Place, Still, lanes};
 use super::{Nodes, Run};
 use crate::inversion::parameter::COUNT;
+use crate::numerics::blocks::put;
 use multiversion::multiversion;
 
 /// Weighted derivatives of neighbouring readings of one run, a column for each parameter.
@@ -24,9 +25,15 @@ pub(crate) struct Chunk {
 impl Chunk {
     const ZERO: Self = Self { columns: [[0.0; LANES]; COUNT], first: 0, start: 0, end: 0 };
 
-    /// Each reading with its derivatives.
-    pub(crate) fn readings(&self) -> impl Iterator<Item = (usize, [f64; COUNT])> {
-        (self.start..self.end).map(|lane| (self.first + lane, self.columns.map(|column| column[lane])))
+    /// Writes its own derivatives to their readings, of all of which `columns` are.
+    pub(crate) fn write(&self, columns: &mut [&mut [f64]; COUNT]) {
+        for (column, own) in columns.iter_mut().zip(&self.columns) {
+            if self.end - self.start == LANES {
+                put(own, column, self.first);
+            } else {
+                column[self.first + self.start..self.first + self.end].copy_from_slice(&own[self.start..self.end]);
+            }
+        }
     }
 }
 

@@ -26,10 +26,11 @@ impl Columns {
     }
 
     fn take(&mut self, chunks: &[Chunk]) {
-        for (reading, derivatives) in chunks.iter().flat_map(Chunk::readings) {
-            for (column, derivative) in self.0.iter_mut().zip(derivatives) {
-                assert!(column[reading].is_nan(), "reading {reading} is in two chunks");
-                column[reading] = derivative;
+        for chunk in chunks {
+            let before = self.0.clone();
+            chunk.write(&mut self.0.each_mut().map(Vec::as_mut_slice));
+            for (now, before) in self.0.iter().flatten().zip(before.iter().flatten()) {
+                assert!(before.is_nan() || now.to_bits() == before.to_bits(), "a reading is in two chunks");
             }
         }
     }
