@@ -52,7 +52,7 @@ fn quantities(outcome: &FitOutcome) -> [(&'static str, &Estimate); COUNT + 2] {
 /// What a design tells of one quantity over structures drawn evenly from the bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Elsewhere {
-    /// Structures that were tried; 0 of what is fixed.
+    /// Structures that were tried; 0 of what is fixed, and of a model that averages, which would take long.
     pub structures: usize,
     /// Of how many the quantity is told.
     pub told: usize,
@@ -170,9 +170,9 @@ fn started_at(settings: &FitSettings, values: &[f64; COUNT]) -> FitSettings {
 
 /// What fits of noiseless data of other structures tell, each from its own values.
 fn elsewhere(data: &Dataset, settings: &FitSettings, model: &dyn ReflectivityModel) -> [Elsewhere; COUNT + 2] {
-    let Some(space) = Space::new(&settings.roles).ok().filter(|space| !space.freedom.free.is_empty()) else {
-        return Default::default();
-    };
+    let space = Space::new(&settings.roles).ok().filter(|space| !space.freedom.free.is_empty());
+    // What averages takes as long for each as for the assumed one: minutes in all.
+    let Some(space) = space.filter(|_| settings.averages.is_none()) else { return Default::default() };
     let points = space.bounds.latin_hypercube(OTHERS, settings.seed);
     let one = |point: &DVector<f64>| {
         let values = space.freedom.expand(point);
@@ -218,7 +218,7 @@ fn typical(settings: &FitSettings) -> [f64; COUNT] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::BlendModel;
+    use crate::optics::{Averages, BlendModel};
     use crate::synthetic::{Scan, simulate};
 
     /// Structures near the assumed one have its errors, nearly.
@@ -246,6 +246,20 @@ mod tests {
             assert!(elsewhere.told > OTHERS / 2, "{name}: {elsewhere:?}");
             assert!(least > 0.8 * sigma && most < 1.25 * sigma, "{name}: {sigma}, {elsewhere:?}");
         }
+    }
+
+    #[test]
+    fn what_averages_is_tried_for_the_assumed_structure_alone() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let data = simulate(&model, &blue, &[Scan::spectrum(90.0)], 1.0, 0.01, 1).unwrap();
+        let averages = Averages { bandwidth: 10.0, ..Averages::default() };
+        let mut settings = FitSettings { averages, ..FitSettings::default() };
+        for parameter in [Parameter::Delta, Parameter::PhiAlpha, Parameter::LamellaWidth] {
+            settings.roles[parameter.index()] = Role::Fixed { value: values(&blue)[parameter.index()] };
+        }
+        let found = expected(&data, &settings, &|_| {}).unwrap();
+        assert!(found.outcome.parameters.d_air.sigma.is_some());
+        assert!(found.elsewhere.iter().all(|elsewhere| *elsewhere == Elsewhere::default()));
     }
 
     /// Across the ridges no structure tells a thickness, along them most do, some better than the assumed one and some worse.
