@@ -350,9 +350,7 @@ fn check_tells_what_the_design_cannot() {
     assert!(report["expected"]["undetermined"].to_string().contains("only d_air + d_cuticle is determined"));
     assert!(report["expected"]["advice"][0]["scans"].to_string().contains("omega 90°"), "{}", ended.out);
     let text = succeeds(&folder, "check across.csv").out;
-    assert!(
-        text.contains("Measure next: a ") && text.contains("elsewhere: standard deviations of the middle half of 32")
-    );
+    assert!(text.contains("Measure next: a ") && text.contains("elsewhere: what the same data would tell of 32 other"));
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     let fitted = succeeds(&folder, "across.csv --no-plots").out;
     let advice = fitted.find("Measure next: a ").expect("advice in the report");

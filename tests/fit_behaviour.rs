@@ -238,6 +238,31 @@ fn signs_are_asked_about_only_where_there_are_any() {
     }
 }
 
+/// One spectrum at normal incidence does not tell the tilt, and yet the layers move with it: held where noise puts it, it left the
+/// truth out of every interval of the optical sum.
+#[test]
+fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
+    let (mut held, mut hidden, mut fits) = (0, [0, 0], 0);
+    for tilt in [0.0, 2.5] {
+        let truth = Structure { delta: radians(tilt), ..Structure::blue() };
+        let sum = truth.d_air + 1.56 * truth.d_cuticle;
+        for seed in 0..40 {
+            let data = simulate(&BlendModel::default(), &truth, &[Scan::spectrum(90.0)], 1.0, 0.01, seed).unwrap();
+            let found = quiet(&data, &FitSettings::default()).outcome;
+            let Some([low, high]) = found.derived.optical_sum.interval_95 else { continue };
+            let holds = low.is_none_or(|low| low <= sum) && high.is_none_or(|high| sum <= high);
+            fits += 1;
+            held += usize::from(holds);
+            if found.parameters.delta.status == Status::NotIdentifiable {
+                hidden[usize::from(holds)] += 1;
+            }
+        }
+    }
+    assert!(hidden[1] >= 5 && hidden[0] == 0, "{hidden:?}");
+    // 95 % of 80 less two standard deviations.
+    assert!(fits >= 75 && held * 10 >= fits * 9, "{held} of {fits}");
+}
+
 #[test]
 fn one_direction_without_a_scale_is_warned_of() {
     let nuisances = Nuisances { scale: Extent::None, ..Nuisances::default() };

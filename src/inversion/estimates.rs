@@ -84,7 +84,7 @@ pub(crate) struct Uncertainty {
     unit: f64,
 }
 
-/// How far `sum gradient · parameter` moves at most along a held parameter that acts to second order; the truth lies
+/// How far `sum gradient · parameter` moves at most along a held parameter; the truth lies
 /// anywhere between, so that a third of its square is a variance.
 fn shift(held: &Held, gradient: &[f64; COUNT], found: &Found<'_>) -> f64 {
     let here = found.space.freedom.expand(&found.best.parameters);

@@ -19,8 +19,7 @@ pub(crate) struct Held {
     pub(crate) deviation: f64,
     /// Whether the data do depend on its first parameter, but a scale or background does the same.
     pub(crate) absorbed: bool,
-    /// Structures that fit as well with its parameter elsewhere, where the data depend on it to second order only: those
-    /// farthest off, inside units.
+    /// Structures that fit as well with its parameter elsewhere, if it is one alone; inside units.
     pub(crate) elsewhere: Vec<[f64; COUNT]>,
 }
 
@@ -124,8 +123,11 @@ pub(crate) fn hold_undetermined(
         space = Space::new(&roles)?;
         let problem = Problem::new(compiled, &space, robust);
         best = minimise(&problem, &space.freedom.restrict(&values), FINE);
-        let even = direction.len() == 1 && deviation.is_infinite() && !absorbed && compiled.plan.sees(parameter);
-        let elsewhere = if even {
+        // Its slope is 0, as at a symmetry, or so small that the noise hides it: the others move with it either way. What only acts
+        // as a scale does moves nothing but the scale.
+        let moves = !absorbed || deviation.is_finite();
+        let alone = direction.len() == 1 && moves && compiled.plan.sees(parameter);
+        let elsewhere = if alone {
             let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
             elsewhere(compiled, robust, parameter, &values, most)
         } else {
@@ -136,9 +138,10 @@ pub(crate) fn hold_undetermined(
     Ok((held, space, best))
 }
 
-/// The structures farthest off in `parameter`, to either side, whose sum of squares is below `most`.
+/// Structures off in `parameter`, to either side, whose sum of squares is below `most`.
 ///
-/// At a symmetry, such as no tilt under normal incidence, the derivative is zero and yet the others move with it.
+/// At a symmetry, such as no tilt under normal incidence, the derivative is zero and yet the others move with it: the farthest may be
+/// the mirror image, where they are back, so that those between are taken too.
 fn elsewhere(
     compiled: &Compiled<'_>,
     robust: &[f64],
@@ -155,17 +158,19 @@ fn elsewhere(
             roles[parameter.index()] = Role::Fixed { value: here + share * (end - here) };
             let Ok(space) = Space::new(&roles) else { break };
             let problem = Problem::new(compiled, &space, robust);
+            let from = |start: &[f64; COUNT]| minimise(&problem, &space.freedom.restrict(start), FINE);
+            let mut there = from(values);
             // A lobe that a tilt leaves dark has no slope: begin with the widest, too.
-            let mut widest = *values;
             if let Role::Free { upper, .. } = roles[Parameter::PhiAlpha.index()] {
+                let mut widest = *values;
                 widest[Parameter::PhiAlpha.index()] = upper;
+                let other = from(&widest);
+                if other.sum_of_squares() < there.sum_of_squares() {
+                    there = other;
+                }
             }
-            let runs = [*values, widest].map(|start| minimise(&problem, &space.freedom.restrict(&start), FINE));
-            let [one, two] = runs;
-            let there = if two.sum_of_squares() < one.sum_of_squares() { two } else { one };
             if there.sum_of_squares() <= most {
                 found.push(space.freedom.expand(&there.parameters));
-                break;
             }
         }
     }

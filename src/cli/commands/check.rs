@@ -255,11 +255,13 @@ fn expectation(expected: &Expected) -> String {
     let others = expected.parameters.iter().map(|parameter| parameter.elsewhere.structures).max().unwrap_or(0);
     if others > 0 {
         let what = format!(
-            "elsewhere: standard deviations of the middle half of {others} structures drawn from the bounds; with \"in\", \
-             of so many alone are they told"
+            "elsewhere: what the same data would tell of {others} other structures within the bounds, the middle half of their \
+             standard deviations; \"in 20\": only 20 of them are told"
         );
         text.push_str(&terminal::wrapped(&what, "  ", "    ", WIDTH));
-        text.push('\n');
+        if !expected.undetermined.is_empty() {
+            text.push('\n');
+        }
     }
     for sentence in &expected.undetermined {
         text.push_str(&terminal::wrapped(sentence, "! ", "  ", WIDTH));
