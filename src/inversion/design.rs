@@ -262,7 +262,7 @@ mod tests {
         assert!(found.elsewhere.iter().all(|elsewhere| *elsewhere == Elsewhere::default()));
     }
 
-    /// Across the ridges no structure tells a thickness, along them most do, some better than the assumed one and some worse.
+    /// Across the ridges no structure tells a thickness, and most tell the period.
     #[test]
     fn what_no_structure_tells_is_told_nowhere() {
         let (model, blue) = (BlendModel::default(), Structure::blue());
