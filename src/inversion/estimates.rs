@@ -116,19 +116,18 @@ fn mark_ambiguous(
 ) {
     let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return };
     let far = (ELSEWHERE * sigma).max(noticeable);
+    let (mut least, mut most) = (value, value);
     for minimum in as_good(found, unit) {
         let other = quantity(&found.searched.freedom.expand(&minimum.parameters));
+        (least, most) = (least.min(other), most.max(other));
         if (other - value).abs() > far && estimate.others.iter().all(|known| (other - known).abs() > far) {
             estimate.others.push(other);
         }
     }
-    if estimate.others.is_empty() {
-        return;
+    if !estimate.others.is_empty() {
+        estimate.status = Status::Ambiguous;
     }
-    estimate.status = Status::Ambiguous;
-    // An interval about one of several answers would hold the truth less often than it says.
-    let (least, most) =
-        estimate.others.iter().fold((value, value), |(low, high), &other| (low.min(other), high.max(other)));
+    // An interval about one of several answers, near as they may lie, would hold the truth less often than it says.
     for interval in [&mut estimate.interval_68, &mut estimate.interval_95].into_iter().flatten() {
         let [low, high] = &mut *interval;
         *low = low.map(|end| end - (value - least));
