@@ -1,8 +1,8 @@
 //! What a value may be. The reader and [`Dataset::from_readings`](super::Dataset::from_readings) use the same rules.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use rustc_hash::{FxBuildHasher, FxHashMap};
 use sha2::{Digest, Sha256};
 
 use super::Reading;
@@ -87,9 +87,14 @@ pub(super) fn reading(reading: &Reading, sigma_expected: bool) -> impl Iterator<
 
 /// The readings met so far, to find the same measurement twice.
 #[derive(Debug, Default)]
-pub(super) struct Seen(HashMap<([u64; 4], Polarization, usize), Place>);
+pub(super) struct Seen(FxHashMap<([u64; 4], Polarization, usize), Place>);
 
 impl Seen {
+    /// With room for `count` readings.
+    pub(super) fn of(count: usize) -> Self {
+        Self(FxHashMap::with_capacity_and_hasher(count, FxBuildHasher))
+    }
+
     /// Where the same measurement was met first, if it was.
     pub(super) fn first(&mut self, reading: &Reading, place: Place) -> Option<Place> {
         let geometry = reading.geometry;

@@ -243,7 +243,7 @@ pub struct CurveResiduals {
 /// The fitted data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DataFound {
-    /// SHA-256 of the file, hexadecimal.
+    /// SHA-256 of the file, hexadecimal; of values as [`Dataset::from_readings`](crate::dataset::Dataset::from_readings) says.
     pub sha256: String,
     /// Readings.
     pub readings: usize,
