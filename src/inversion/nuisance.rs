@@ -362,6 +362,13 @@ impl NormalEquations {
                     self.square + 0.0 * (gram + right)
                 }
             }
+            2 => {
+                let (gram, right) = (&self.gram, [self.right[0], self.right[1]]);
+                let elements = [gram[(0, 0)], gram[(1, 0)], gram[(1, 1)]];
+                let [c, d] = nonnegative::pair(elements, right);
+                let [first, across, second] = elements;
+                self.square + c * (c * first + 2.0 * (d * across - right[0])) + d * (d * second - 2.0 * right[1])
+            }
             _ => {
                 self.complete();
                 return self.sum_of_squares(&self.solve());

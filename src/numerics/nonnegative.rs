@@ -26,6 +26,10 @@ const DEPENDENT: f64 = 1e-12;
 #[must_use]
 pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     let q = right.len();
+    if q == 2 {
+        let found = pair([gram[(0, 0)], gram[(1, 0)], gram[(1, 1)]], [right[0], right[1]]);
+        return DVector::from_column_slice(&found);
+    }
     let mut coefficients = DVector::zeros(q);
     let length = DVector::from_fn(q, |j, _| gram[(j, j)].sqrt());
     if !(gram.iter().all(|value| value.is_finite()) && right.iter().all(|value| value.is_finite())) {
@@ -101,6 +105,37 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     coefficients
 }
 
+/// The same for two columns in closed form: the solution without bounds if both are above 0, else the better column alone.
+///
+/// - `gram`: its elements `[G_11, G_21, G_22]`.
+#[must_use]
+pub fn pair([first, across, second]: [f64; 3], right: [f64; 2]) -> [f64; 2] {
+    if ![first, across, second, right[0], right[1]].into_iter().all(f64::is_finite) {
+        return [0.0; 2];
+    }
+    let usable = [first > 0.0, second > 0.0];
+    if usable == [true; 2] {
+        // The square of the sine between the columns.
+        let apart = 1.0 - (across / first) * (across / second);
+        if apart > DEPENDENT {
+            let both = [
+                (right[0] - across / second * right[1]) / (first * apart),
+                (right[1] - across / first * right[0]) / (second * apart),
+            ];
+            if both[0] >= 0.0 && both[1] >= 0.0 {
+                return both;
+            }
+        }
+    }
+    let gain = |j: usize, square: f64| if usable[j] && right[j] > 0.0 { right[j] / square * right[j] } else { 0.0 };
+    let gains = [gain(0, first), gain(1, second)];
+    if gains[0] >= gains[1] {
+        [if gains[0] > 0.0 { right[0] / first } else { 0.0 }, 0.0]
+    } else {
+        [0.0, right[1] / second]
+    }
+}
+
 /// Solution on `columns` alone, without bounds; `None` if they depend on each other.
 fn equality(
     columns: &[usize],
@@ -126,6 +161,38 @@ mod tests {
         let y = DVector::from_vec(vec![1.0, 2.0, 5.0]);
         let c = solve(&(x.transpose() * &x), &(x.transpose() * &y));
         assert!((c[0] + c[1] - 1.0).abs() < 1e-12 && (c[0] < 1e-300 || c[1] < 1e-300) && c[2] < 1e-300, "{c}");
+    }
+
+    /// Two columns and a third that is 0, which the active sets of three columns solve.
+    #[test]
+    fn the_closed_form_of_two_columns_is_what_the_active_sets_find() {
+        let sizes = [0.0, 1e-150, 1e-3, 1.0, 7.0, 1e150];
+        let cosines = [-1.0, -0.999_999, -0.3, 0.0, 0.6, 0.999_999, 1.0];
+        let along = [-2.0, -1e-9, 0.0, 0.3, 1.0];
+        for first in sizes {
+            for second in sizes {
+                for (cosine, x) in cosines.iter().flat_map(|cosine| along.map(|x| (cosine, x))) {
+                    for y in along {
+                        let gram = [first * first, cosine * first * second, second * second];
+                        let right = [x * first, y * second];
+                        let three = DMatrix::from_row_slice(
+                            3,
+                            3,
+                            &[gram[0], gram[1], 0.0, gram[1], gram[2], 0.0, 0.0, 0.0, 0.0],
+                        );
+                        let expected = solve(&three, &DVector::from_vec(vec![right[0], right[1], 0.0]));
+                        let found = pair(gram, right);
+                        let cost = |c: [f64; 2]| {
+                            let [c, d] = [c[0] * first, c[1] * second];
+                            c * c + 2.0 * cosine * c * d + d * d - 2.0 * (x * c + y * d)
+                        };
+                        let [low, high] = [cost(found), cost([expected[0], expected[1]])];
+                        assert!(found.iter().all(|c| *c >= 0.0), "{gram:?} {right:?}: {found:?}");
+                        assert!((low - high).abs() <= 1e-9 * (1.0 + high.abs()), "{gram:?} {right:?}: {found:?} {expected}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]
