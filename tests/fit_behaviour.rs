@@ -242,7 +242,7 @@ fn signs_are_asked_about_only_where_there_are_any() {
 /// truth out of every interval of the optical sum.
 #[test]
 fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
-    let (mut held, mut hidden, mut fits) = (0, [0, 0], 0);
+    let (mut held, mut hidden, mut ambiguous, mut fits) = (0, [0, 0], [0, 0], 0);
     for tilt in [0.0, 2.5] {
         let truth = Structure { delta: radians(tilt), ..Structure::blue() };
         let sum = truth.d_air + 1.56 * truth.d_cuticle;
@@ -253,12 +253,16 @@ fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
             let holds = low.is_none_or(|low| low <= sum) && high.is_none_or(|high| sum <= high);
             fits += 1;
             held += usize::from(holds);
-            if found.parameters.delta.status == Status::NotIdentifiable {
-                hidden[usize::from(holds)] += 1;
+            match found.parameters.delta.status {
+                Status::NotIdentifiable => hidden[usize::from(holds)] += 1,
+                Status::Ambiguous => ambiguous[usize::from(holds)] += 1,
+                // That 0 fits as well is no reason to widen a bound.
+                status => assert_ne!(status, Status::AtBound),
             }
         }
     }
     assert!(hidden[1] >= 5 && hidden[0] == 0, "{hidden:?}");
+    assert!(ambiguous[1] >= 15 && ambiguous[0] <= 1, "{ambiguous:?}");
     // 95 % of 80 less two standard deviations.
     assert!(fits >= 75 && held * 10 >= fits * 9, "{held} of {fits}");
 }

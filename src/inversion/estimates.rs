@@ -139,6 +139,29 @@ fn mark_ambiguous(
     }
 }
 
+/// Marks an estimate on a bound as ambiguous if a minimum with another value, inside the bounds, fits as well: then the data do
+/// not ask for wider ones.
+fn mark_inside(
+    estimate: &mut Estimate,
+    found: &Found<'_>,
+    unit: f64,
+    noticeable: f64,
+    quantity: impl Fn(&[f64; COUNT]) -> f64,
+) {
+    let (Some(value), Some([lower, upper])) = (estimate.value, estimate.bounds) else { return };
+    let others = as_good(found, unit).map(|minimum| quantity(&found.searched.freedom.expand(&minimum.parameters)));
+    let mut apart: Vec<f64> = Vec::new();
+    for other in others {
+        if [&[value][..], &apart].concat().iter().all(|known| (other - known).abs() > noticeable) {
+            apart.push(other);
+        }
+    }
+    if apart.iter().any(|other| other - lower > noticeable && upper - other > noticeable) {
+        estimate.status = Status::Ambiguous;
+        estimate.others = apart;
+    }
+}
+
 pub(crate) fn index_ratio(found: &Found<'_>) -> f64 {
     let (gap, cuticle) = indices(found.data, &found.settings.stack);
     cuticle / gap
@@ -260,8 +283,11 @@ impl Uncertainty {
             }
             Role::Free { .. } | Role::Fixed { .. } => parameter,
         };
+        let noticeable = NOTICEABLE * parameter.outside(parameter.typical_change());
+        let value = |values: &[f64; COUNT]| parameter.outside(values[parameter.index()]);
         if role_is_free(role) && !self.inner.contains(&followed) {
             estimate.status = Status::AtBound;
+            mark_inside(&mut estimate, found, self.unit, noticeable, value);
             return estimate;
         }
         let variance = self.variance(&gradient, found);
@@ -273,8 +299,6 @@ impl Uncertainty {
                 estimate.status = Status::Correlated;
             }
         }
-        let noticeable = NOTICEABLE * parameter.outside(parameter.typical_change());
-        let value = |values: &[f64; COUNT]| parameter.outside(values[parameter.index()]);
         mark_ambiguous(&mut estimate, found, self.unit, noticeable, value);
         estimate
     }

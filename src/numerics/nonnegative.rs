@@ -188,7 +188,10 @@ mod tests {
                         };
                         let [low, high] = [cost(found), cost([expected[0], expected[1]])];
                         assert!(found.iter().all(|c| *c >= 0.0), "{gram:?} {right:?}: {found:?}");
-                        assert!((low - high).abs() <= 1e-9 * (1.0 + high.abs()), "{gram:?} {right:?}: {found:?} {expected}");
+                        assert!(
+                            (low - high).abs() <= 1e-9 * (1.0 + high.abs()),
+                            "{gram:?} {right:?}: {found:?} {expected}"
+                        );
                     }
                 }
             }
