@@ -117,6 +117,18 @@ fn data_are_read_from_standard_input() {
 }
 
 #[test]
+fn too_few_readings_are_a_fault_of_the_data_for_each_command() {
+    let folder = TempDir::new().unwrap();
+    let two = "wavelength_nm,theta_deg,phi_deg,omega_deg,intensity\n450,0,0,90,0.4\n460,0,0,90,0.5\n";
+    fs::write(folder.path().join("few.csv"), two).unwrap();
+    for command in ["fit", "check", "sample", "profile", "bootstrap"] {
+        let ended = run_with(&folder, &[command, "few.csv"]);
+        assert_eq!(ended.code, 3, "{command}: {}", ended.err);
+        assert!(ended.err.contains("few.csv: 2 readings cannot determine 6 unknowns"), "{command}: {}", ended.err);
+    }
+}
+
+#[test]
 fn quiet_says_nothing() {
     let folder = with_blue();
     let ended = succeeds(&folder, "blue.csv --quiet --no-plots");

@@ -279,7 +279,7 @@ mod a_wide_table {
             "blue.csv:2: column 3 `10`: the cell is empty; every reading needs a value";
         has_every_wavelength_once: wide(Phi), b"wavelength_nm,0,10\n450,1,1\n450,2,2\n" =>
             "blue.csv:3: column 2 `0`: the same wavelength, angles, polarization and curve as line 2; keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)"
-            "blue.csv:3: column 3 `10`: the same wavelength, angles, polarization and curve as line 2; keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)";
+            "blue.csv:3: column 3 `10`: the same wavelength, angles, polarization and curve as line 2";
     }
 }
 

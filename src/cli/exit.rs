@@ -3,7 +3,7 @@
 use crate::output;
 use morpho_fit::bsdf::BsdfError;
 use morpho_fit::dataset::Findings;
-use morpho_fit::inversion::{FitError, SettingsError};
+use morpho_fit::inversion::{DesignError, FitError, SettingsError};
 use morpho_fit::optics::OpticsError;
 use morpho_fit::render::RenderError;
 use morpho_fit::report::paper::PaperError;
@@ -151,12 +151,24 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
             _ => USAGE,
         });
     }
-    cause.downcast_ref::<FitError>().map(|error| match error {
+    if let Some(error) = cause.downcast_ref::<DesignError>() {
+        return match error {
+            DesignError::Fit(error) => Some(code_of_fit(error)),
+            DesignError::Optics(error) => Some(code_of_optics(error)),
+            DesignError::Data(_) => Some(BAD_DATA),
+            _ => None,
+        };
+    }
+    cause.downcast_ref::<FitError>().map(code_of_fit)
+}
+
+fn code_of_fit(error: &FitError) -> u8 {
+    match error {
         FitError::Optics(error) => code_of_optics(error),
         FitError::TooFewReadings { .. } | FitError::Unit { .. } => BAD_DATA,
         FitError::NowhereFinite { .. } => NOT_CONVERGED,
         _ => USAGE,
-    })
+    }
 }
 
 /// A table that does not reach the data is a fault of a file, everything else of a flag.

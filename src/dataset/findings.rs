@@ -106,13 +106,15 @@ impl Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.write(None, f)
+        self.write(None, f)?;
+        self.kind.remedy().map_or(Ok(()), |remedy| write!(f, "; {remedy}"))
     }
 }
 
 /// Everything that is wrong with a file, in the order of its lines; at least one finding.
 ///
-/// `Display` writes one line for each of the first 20 findings and counts the rest.
+/// `Display` writes one line for each of the first 20 findings and counts the rest; what to do about many of one kind it says
+/// once.
 ///
 /// ```
 /// use morpho_fit::dataset::{ReadOptions, read_csv};
@@ -157,11 +159,16 @@ impl Findings {
 
 impl fmt::Display for Findings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut said = Vec::new();
         for (index, finding) in self.list.iter().take(SHOWN).enumerate() {
             if index > 0 {
                 writeln!(f)?;
             }
             finding.write(self.file.as_deref(), f)?;
+            if let Some(remedy) = finding.kind.remedy().filter(|remedy| !said.contains(remedy)) {
+                write!(f, "; {remedy}")?;
+                said.push(remedy);
+            }
         }
         match self.total().saturating_sub(SHOWN as u64) {
             0 => Ok(()),

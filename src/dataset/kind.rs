@@ -256,12 +256,20 @@ impl fmt::Display for FindingKind {
                 write!(f, "{curve} is no record; there are {curves}, counted from 0")
             }
             Self::DuplicateReading { first } => {
-                write!(
-                    f,
-                    "the same wavelength, angles, polarization and curve as {first}; keep one, name two curves, or fit the parts \
-                     of a file apart (morpho-fit batch --by COLUMN)"
-                )
+                write!(f, "the same wavelength, angles, polarization and curve as {first}")
             }
+        }
+    }
+}
+
+impl FindingKind {
+    /// What to do about it, where more lines of a file with the same fault need not repeat it.
+    pub(super) fn remedy(&self) -> Option<&'static str> {
+        match self {
+            Self::DuplicateReading { .. } => {
+                Some("keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)")
+            }
+            _ => None,
         }
     }
 }
