@@ -110,6 +110,10 @@ pub fn bootstrap(
         .chain(rivals(solution).map(|rival| solution.searched.freedom.expand(&rival.parameters)))
         .collect();
     let done = AtomicUsize::new(0);
+    let of = match settings.resampling {
+        Resampling::Residuals => "residuals",
+        Resampling::Cases => "readings",
+    };
     let replicate = |index: usize| {
         let mut random = generator(settings.seed, index);
         let (plan, weights);
@@ -125,7 +129,7 @@ pub fn bootstrap(
         };
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
         if count.is_multiple_of(TOLD) {
-            progress(&format!("bootstrap {count} of {}", settings.replicates));
+            progress(&format!("bootstrap of {of}: {count} of {}", settings.replicates));
         }
         let values = refit(&problem, &starts, solution.space.freedom.free.len())?;
         Some(quantities.iter().map(|quantity| quantity.outside(quantity.of(&values))).collect::<Vec<f64>>())
