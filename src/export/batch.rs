@@ -263,12 +263,12 @@ fn name(model: ModelChoice) -> &'static str {
 }
 
 /// The word that JSON has for it.
-fn word(value: &impl Serialize) -> Result<String, ExportError> {
+pub(crate) fn word(value: &impl Serialize) -> Result<String, ExportError> {
     Ok(serde_json::to_value(value)?.as_str().unwrap_or_default().to_owned())
 }
 
 /// Values for the names alone.
-fn nothing() -> BatchValues {
+pub(crate) fn nothing() -> BatchValues {
     let none = BatchValue { value: None, sigma: None, status: Status::NotIdentifiable };
     BatchValues {
         d_air: none,

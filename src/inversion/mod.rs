@@ -28,6 +28,7 @@ mod rows;
 mod screening;
 mod search;
 mod settings;
+mod side_by_side;
 mod solution;
 mod space;
 mod summary;
@@ -57,5 +58,6 @@ pub use plan::Plan;
 #[cfg(feature = "tradeoff")]
 pub(crate) use problem::Problem;
 pub use settings::{Derivative, FitSettings, ModelChoice, Parts, Search, SettingsError};
+pub use side_by_side::side_by_side;
 #[cfg(feature = "tradeoff")]
 pub(crate) use space::Space;

@@ -1,6 +1,6 @@
 //! Errors as exceptions: each is a `ValueError`, and those about data carry path, line and column.
 
-use crate::dataset::{FindingKind, Findings, Place};
+use crate::dataset::{Finding, FindingKind, Findings, Place};
 use crate::inversion::{FitError as Unfit, SettingsError};
 use crate::optics;
 use pyo3::create_exception;
@@ -68,13 +68,9 @@ impl Defect {
     }
 }
 
-/// Findings about `path`, or about a table.
-pub(crate) fn of_findings(py: Python<'_>, findings: Findings, path: Option<&str>) -> PyErr {
-    let findings = match path {
-        Some(path) => findings.in_file(path),
-        None => findings,
-    };
-    let defects = findings.as_slice().iter().map(|finding| {
+/// Each finding with its place; rows of a table count from 0.
+pub(crate) fn defects(findings: &Findings) -> Vec<Defect> {
+    let defect = |finding: &Finding| {
         let missing = match finding.kind {
             FindingKind::MissingColumn { name, .. } => Some(name.to_owned()),
             _ => None,
@@ -89,8 +85,17 @@ pub(crate) fn of_findings(py: Python<'_>, findings: Findings, path: Option<&str>
             }
             _ => Defect { line: finding.line(), column, reading: None, message: finding.to_string() },
         }
-    });
-    let defects: Vec<Defect> = defects.collect();
+    };
+    findings.as_slice().iter().map(defect).collect()
+}
+
+/// Findings about `path`, or about a table.
+pub(crate) fn of_findings(py: Python<'_>, findings: Findings, path: Option<&str>) -> PyErr {
+    let findings = match path {
+        Some(path) => findings.in_file(path),
+        None => findings,
+    };
+    let defects = defects(&findings);
     // Rows of a table count from 0, as everywhere in Python; lines of a file are written as the command writes them.
     let text = path.map(|_| findings.to_string());
     of_defects(py, path, defects, text)

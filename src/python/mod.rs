@@ -13,6 +13,7 @@ mod errors;
 mod fit;
 mod forward;
 mod intervals;
+mod map;
 mod model;
 mod objective;
 mod patience;
@@ -36,6 +37,8 @@ mod engine {
     use super::forward::{contributions, multilayer_reflectivity, reflectivity};
     #[pymodule_export]
     use super::intervals::{Posterior, ProfileFound};
+    #[pymodule_export]
+    use super::map::fit_map;
     #[pymodule_export]
     use super::model::{Averages, Cauchy, IndexTable, Model, Stack};
     #[pymodule_export]

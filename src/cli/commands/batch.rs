@@ -14,18 +14,15 @@ use crate::journal::{Earlier, Entry, Journal, Reports};
 use crate::options::{Choices, Problem, hex_sha256};
 use crate::output::{self, Folder, WIDTH};
 use crate::progress::Count;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use morpho_fit::dataset::Findings;
 use morpho_fit::export::{BATCH_SCHEMA, Batch, BatchCounts, BatchFit, BatchRow, batch_csv, batch_json};
-use morpho_fit::inversion::Fitter;
+use morpho_fit::inversion::{Fitter, side_by_side};
 use morpho_fit::report::{batch, terminal};
 use serde_json::json;
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
 use std::time::Instant;
 
 const TABLE: &str = "batch.csv";
@@ -282,50 +279,30 @@ impl Work<'_> {
         quiet: bool,
         done: &mut [Option<Done>],
     ) -> Result<()> {
-        let threads = rayon::current_num_threads();
-        let workers = threads.min(open.len()).max(1);
-        // A fit within a pool of its own waits for no other: rayon would begin another item while one waits for its
-        // parts.
-        let pool = || rayon::ThreadPoolBuilder::new().num_threads((threads / workers).max(1)).build();
-        let pools = (0..workers).map(|_| pool()).collect::<Result<Vec<_>, _>>();
-        let pools = pools.context("the threads cannot be started")?;
-        let next = AtomicUsize::new(0);
         let count = Count::new(open.len(), quiet);
-        let (sender, receiver) = mpsc::channel();
-        thread::scope(|scope| {
-            for pool in pools {
-                let (sender, next) = (sender.clone(), &next);
-                scope.spawn(move || {
-                    while let Some(&index) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        if sender.send((index, pool.install(|| self.one(index)))).is_err() {
-                            return;
-                        }
-                    }
-                });
+        let mut told = 0;
+        let take = |place: usize, found: Done| {
+            if let Some(error) = &found.row.error {
+                told += 1;
+                if told <= TOLD {
+                    count.aside(|| output::complain(&format!("item {}: {}", found.row.item, first_lines(error))));
+                } else if told == TOLD + 1 {
+                    count.aside(|| output::complain(&format!("and more items with errors: `error` in {TABLE}")));
+                }
             }
-            drop(sender);
-            let mut told = 0;
-            for (index, found) in receiver {
-                if let Some(error) = &found.row.error {
-                    told += 1;
-                    if told <= TOLD {
-                        count.aside(|| output::complain(&format!("item {}: {}", found.row.item, first_lines(error))));
-                    } else if told == TOLD + 1 {
-                        count.aside(|| output::complain(&format!("and more items with errors: `error` in {TABLE}")));
-                    }
-                }
-                let row = BatchRow { error: found.row.error.as_deref().map(one_line), ..found.row };
-                if row.fit.is_some() {
-                    let settings_sha256 = settings_sha256.to_owned();
-                    journal.append(&Entry { settings_sha256, reports: self.reports, row: row.clone() })?;
-                }
-                if let Some(place) = done.get_mut(index) {
-                    *place = Some(Done { row, ..found });
-                }
-                count.one_more();
+            let row = BatchRow { error: found.row.error.as_deref().map(one_line), ..found.row };
+            if row.fit.is_some() {
+                let settings_sha256 = settings_sha256.to_owned();
+                journal.append(&Entry { settings_sha256, reports: self.reports, row: row.clone() })?;
             }
+            if let Some(place) = done.get_mut(open[place]) {
+                *place = Some(Done { row, ..found });
+            }
+            count.one_more();
             Ok(())
-        })
+        };
+        let of_threads = |error| anyhow::Error::new(error).context("the threads cannot be started");
+        side_by_side(open.len(), |place| self.one(open[place]), take, of_threads)
     }
 
     fn one(&self, index: usize) -> Done {

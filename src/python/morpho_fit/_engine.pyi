@@ -27,6 +27,7 @@ __all__ = [
     "contributions",
     "fit",
     "fit_constant",
+    "fit_map",
     "multilayer_reflectivity",
     "reflectivity",
     "sweep",
@@ -226,7 +227,7 @@ def contributions(
     model: _ModelName | Model | None = None,
 ) -> tuple[_Floats, _Floats]: ...
 
-class _ProblemSettings(TypedDict, total=False):
+class _MapSettings(TypedDict, total=False):
     """What is fitted; the flags of the command."""
 
     model: _ModelName | Model | None
@@ -247,9 +248,13 @@ class _ProblemSettings(TypedDict, total=False):
     theta: float | None
     phi: float | None
     omega: float | None
-    sigma: float | None
     polarization: _Polarization | None
     wide: Literal["theta", "phi", "curve"] | None
+
+class _ProblemSettings(_MapSettings, total=False):
+    """The same with what one measurement says of its intensities."""
+
+    sigma: float | None
     intensity_column: str | None
 
 class _Settings(_ProblemSettings, total=False):
@@ -281,6 +286,9 @@ def fit_constant(
     high: float,
     **settings: Unpack[_ProblemSettings],
 ) -> dict[str, Any]: ...
+def fit_map(
+    design: _Data, intensity: ArrayLike, *, sigma: ArrayLike | None = None, **settings: Unpack[_MapSettings]
+) -> dict[str, NDArray[Any]]: ...
 @final
 class FitResult:
     """The result of a fit."""

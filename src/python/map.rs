@@ -1,0 +1,174 @@
+//! `fit_map`: the pixels of a map, measured alike, as arrays.
+
+use super::arrays::{Column, array};
+use super::data::{self, Given, Said};
+use super::errors::{defects, of_fit, refused};
+use super::patience::patiently;
+use super::settings::{Keywords, settings};
+use crate::dataset::{Dataset, Reading};
+use crate::export::{BatchFit, BatchValue, nothing, word};
+use crate::inversion::{Fitter, choose, side_by_side};
+use numpy::IxDyn;
+use numpy::ndarray::{ArrayD, ArrayView1, Axis, arr0};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
+
+/// Fits every pixel of a map, on all threads; each to the same bits as fit() does.
+///
+/// design says where each of n readings was measured: what fit() takes. Its intensity is not used, and a table may leave it out.
+/// intensity is an array [..., n] of any shape before the readings; sigma a number, or an array that numpy broadcasts to it.
+/// settings as in fit().
+///
+/// Returns a dict of arrays [...] with the names of batch.csv, ready for a frame or for xarray: model, verdict, chi2, dof,
+/// sigma_source; d_air_nm, d_air_sigma_nm, d_air_status and so on for each quantity; warnings; error, which says why a pixel has
+/// no fit, such as a reading that is NaN. Where there is no value a number is NaN (dof -1) and a word "".
+///
+/// Raises DataError, FitError, OpticsError, OSError, ValueError. Ctrl-C ends it.
+#[pyfunction]
+#[pyo3(signature = (design, intensity, *, sigma=None, **settings))]
+pub(crate) fn fit_map<'py>(
+    py: Python<'py>,
+    design: &Bound<'py, PyAny>,
+    intensity: &Bound<'py, PyAny>,
+    sigma: Option<Column<'py>>,
+    settings: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut keywords = Keywords::of(settings)?;
+    let said = Said::take(&mut keywords)?;
+    if said.intensity_column.is_some() {
+        return Err(refused("intensity_column is for fit(): here the intensities are an array"));
+    }
+    let (model, settings) = self::settings(py, &mut keywords)?;
+    keywords.finish()?;
+    let Column::Array(intensity) = intensity.extract::<Column<'_>>()? else {
+        return Err(refused("intensity is one number; it must be an array [..., n] with the readings last"));
+    };
+    let intensity = intensity.as_array();
+    let Some((&readings, shape)) = intensity.shape().split_last() else {
+        return Err(refused("intensity is one number; it must be an array [..., n] with the readings last"));
+    };
+    let Given { data: design, .. } = data::dataset(py, &with_intensity(py, design, readings)?, &said)?;
+    let expected = design.readings().len();
+    if readings != expected {
+        return Err(refused(format!("intensity has {readings} readings in its last axis, but design has {expected}")));
+    }
+    let last = Axis(shape.len());
+    let intensities: Vec<ArrayView1<'_, f64>> = intensity.lanes(last).into_iter().collect();
+    let sigma: Option<ArrayD<f64>> = sigma.map(|given| match given {
+        Column::One(one) => arr0(one).into_dyn(),
+        Column::Array(array) => array.as_array().to_owned(),
+    });
+    let whole = || IxDyn(intensity.shape());
+    let stretched = sigma.as_ref().map(|sigma| {
+        let (own, all) = (sigma.shape(), intensity.shape());
+        let view = sigma.broadcast(whole());
+        view.ok_or_else(|| {
+            refused(format!("sigma has the shape {own:?}, which does not go with {all:?}, that of intensity"))
+        })
+    });
+    let stretched = stretched.transpose()?;
+    let sigmas: Option<Vec<ArrayView1<'_, f64>>> = stretched.as_ref().map(|all| all.lanes(last).into_iter().collect());
+
+    let fitter = Fitter::new(settings.clone()).map_err(|error| of_fit(py, &error))?;
+    let one = |pixel: usize, progress: &(dyn Fn(&str) + Sync)| {
+        let data = pixel_of(&design, &intensities[pixel], sigmas.as_ref().map(|all| &all[pixel]))?;
+        let found = match model.auto {
+            Some(beside) => choose(&data, &settings, &[beside], progress).map(|choice| choice.fit),
+            None => fitter.fit(&data, progress),
+        };
+        found.map(|fit| BatchFit::of(&fit.outcome)).map_err(|error| error.to_string())
+    };
+    let found = patiently(py, |progress| {
+        let mut found: Vec<Option<Result<BatchFit, String>>> = vec![None; intensities.len()];
+        let take = |pixel: usize, fit| {
+            found[pixel] = Some(fit);
+            Ok(())
+        };
+        side_by_side(intensities.len(), |pixel| one(pixel, progress), take, |error| error.to_string())?;
+        Ok::<_, String>(found)
+    })?;
+    let found: Vec<Result<BatchFit, String>> = found.map_err(PyRuntimeError::new_err)?.into_iter().flatten().collect();
+    Table { py, shape, found: &found, all: PyDict::new(py) }.filled()
+}
+
+/// `design` with a column of intensities where it is a table; a file has one.
+fn with_intensity<'py>(py: Python<'py>, design: &Bound<'py, PyAny>, readings: usize) -> PyResult<Bound<'py, PyAny>> {
+    let is_text = design.is_instance_of::<PyBytes>() || design.is_instance_of::<PyString>();
+    let has_names = !is_text && (design.hasattr("keys")? || design.hasattr("columns")?);
+    if !has_names {
+        return Ok(design.clone());
+    }
+    let names = if design.hasattr("keys")? { design.call_method0("keys")? } else { design.getattr("columns")? };
+    let table = PyDict::new(py);
+    for name in names.try_iter()? {
+        let name = name?;
+        table.set_item(&name, design.get_item(&name)?)?;
+    }
+    table.set_item("intensity", array(py, vec![0.0; readings], &[readings])?)?;
+    Ok(table.into_any())
+}
+
+/// The readings of `design` with other intensities, or what is wrong with these in a line.
+fn pixel_of(
+    design: &Dataset,
+    intensities: &ArrayView1<'_, f64>,
+    sigmas: Option<&ArrayView1<'_, f64>>,
+) -> Result<Dataset, String> {
+    let readings = design.readings().iter().zip(intensities).enumerate();
+    let readings = readings.map(|(row, (reading, &intensity))| {
+        let sigma = sigmas.map(|all| all[row]).or(reading.sigma);
+        Reading { intensity, sigma, line: 0, ..*reading }
+    });
+    Dataset::from_readings(readings.collect(), design.curves().to_vec()).map_err(|findings| {
+        let more = findings.total() - 1;
+        let first = defects(&findings).into_iter().next().map(|defect| defect.message).unwrap_or_default();
+        if more > 0 { format!("{first}, and {more} more") } else { first }
+    })
+}
+
+/// Columns that are filled one after another.
+struct Table<'a, 'py> {
+    py: Python<'py>,
+    shape: &'a [usize],
+    found: &'a [Result<BatchFit, String>],
+    all: Bound<'py, PyDict>,
+}
+
+impl<'py> Table<'_, 'py> {
+    fn filled(self) -> PyResult<Bound<'py, PyDict>> {
+        self.words("model", |fit| fit.model.clone())?;
+        self.words("verdict", |fit| word(&fit.verdict).unwrap_or_default())?;
+        self.numbers("chi2", |fit| Some(fit.chi2))?;
+        let dof = |fit: &Result<BatchFit, String>| fit.as_ref().map_or(Ok(-1), |fit| i64::try_from(fit.dof));
+        let dof: Vec<i64> = self.found.iter().map(dof).collect::<Result<_, _>>()?;
+        self.put("dof", dof, "int64")?;
+        self.words("sigma_source", |fit| word(&fit.sigma_source).unwrap_or_default())?;
+        for (place, (name, unit, _)) in nothing().each().into_iter().enumerate() {
+            let of = |fit: &BatchFit| -> BatchValue { *fit.values.each()[place].2 };
+            self.numbers(&format!("{name}_{unit}"), |fit| of(fit).value)?;
+            self.numbers(&format!("{name}_sigma_{unit}"), |fit| of(fit).sigma)?;
+            self.words(&format!("{name}_status"), |fit| word(&of(fit).status).unwrap_or_default())?;
+        }
+        self.words("warnings", |fit| fit.warnings.join("; "))?;
+        let errors = self.found.iter().map(|fit| fit.as_ref().err().cloned().unwrap_or_default());
+        self.put("error", errors.collect::<Vec<String>>(), "str")?;
+        Ok(self.all)
+    }
+
+    fn numbers(&self, name: &str, of: impl Fn(&BatchFit) -> Option<f64>) -> PyResult<()> {
+        let values = self.found.iter().map(|fit| fit.as_ref().ok().and_then(&of).unwrap_or(f64::NAN)).collect();
+        self.all.set_item(name, array(self.py, values, self.shape)?)
+    }
+
+    fn words(&self, name: &str, of: impl Fn(&BatchFit) -> String) -> PyResult<()> {
+        let words = self.found.iter().map(|fit| fit.as_ref().map_or_else(|_| String::new(), &of));
+        self.put(name, words.collect::<Vec<String>>(), "str")
+    }
+
+    /// By way of a list.
+    fn put<T: IntoPyObject<'py>>(&self, name: &str, values: Vec<T>, dtype: &str) -> PyResult<()> {
+        let made = self.py.import("numpy")?.call_method1("array", (values, dtype))?;
+        self.all.set_item(name, made.call_method1("reshape", (PyTuple::new(self.py, self.shape)?,))?)
+    }
+}
