@@ -104,61 +104,65 @@ pub(crate) fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = 
     found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best <= level * unit * unit)
 }
 
-/// Marks an estimate as ambiguous if `quantity`, in its unit, is another at other minima that fit as well.
-///
-/// - `noticeable`: a difference below this is none, in the same unit.
-fn mark_ambiguous(
-    estimate: &mut Estimate,
-    found: &Found<'_>,
-    unit: f64,
-    noticeable: f64,
-    quantity: impl Fn(&[f64; COUNT]) -> f64,
-) {
-    let (Some(value), Some(sigma)) = (estimate.value, estimate.sigma) else { return };
-    let far = (ELSEWHERE * sigma).max(noticeable);
-    let (mut least, mut most) = (value, value);
-    for minimum in as_good(found, unit) {
-        let other = quantity(&found.searched.freedom.expand(&minimum.parameters));
-        (least, most) = (least.min(other), most.max(other));
-        if (other - value).abs() > far && estimate.others.iter().all(|known| (other - known).abs() > far) {
-            estimate.others.push(other);
-        }
-    }
-    if !estimate.others.is_empty() {
-        estimate.status = Status::Ambiguous;
-    }
-    // An interval about one of several answers, near as they may lie, would hold the truth less often than it says.
-    for interval in [&mut estimate.interval_68, &mut estimate.interval_95].into_iter().flatten() {
-        let [low, high] = &mut *interval;
-        *low = low.map(|end| end - (value - least));
-        *high = high.map(|end| end + (most - value));
-        if let Some([lower, upper]) = estimate.bounds {
-            *low = low.filter(|end| *end > lower);
-            *high = high.filter(|end| *end < upper);
-        }
-    }
+/// Values of a quantity, in its unit, at the minima that fit as well as the best.
+fn elsewhere(found: &Found<'_>, unit: f64, quantity: impl Fn(&[f64; COUNT]) -> f64) -> Vec<f64> {
+    as_good(found, unit).map(|minimum| quantity(&found.searched.freedom.expand(&minimum.parameters))).collect()
 }
 
-/// Marks an estimate on a bound as ambiguous if a minimum with another value, inside the bounds, fits as well: then the data do
-/// not ask for wider ones.
-fn mark_inside(
-    estimate: &mut Estimate,
-    found: &Found<'_>,
-    unit: f64,
-    noticeable: f64,
-    quantity: impl Fn(&[f64; COUNT]) -> f64,
-) {
-    let (Some(value), Some([lower, upper])) = (estimate.value, estimate.bounds) else { return };
-    let others = as_good(found, unit).map(|minimum| quantity(&found.searched.freedom.expand(&minimum.parameters)));
-    let mut apart: Vec<f64> = Vec::new();
-    for other in others {
-        if [&[value][..], &apart].concat().iter().all(|known| (other - known).abs() > noticeable) {
-            apart.push(other);
+impl Estimate {
+    /// Takes those of `values` for others that lie farther than `far` from the own and from each other.
+    fn take_others(&mut self, value: f64, values: &[f64], far: f64) {
+        for other in values {
+            if (other - value).abs() > far && self.others.iter().all(|known| (other - known).abs() > far) {
+                self.others.push(*other);
+            }
         }
     }
-    if apart.iter().any(|other| other - lower > noticeable && upper - other > noticeable) {
-        estimate.status = Status::Ambiguous;
-        estimate.others = apart;
+
+    /// Marks a value as ambiguous if it is another at other minima that fit as well, and widens its intervals to all of them.
+    ///
+    /// - `noticeable`: a difference below this is none, in the same unit.
+    fn allow_for(&mut self, elsewhere: &[f64], noticeable: f64) {
+        let (Some(value), Some(sigma)) = (self.value, self.sigma) else { return };
+        self.take_others(value, elsewhere, (ELSEWHERE * sigma).max(noticeable));
+        if !self.others.is_empty() {
+            self.status = Status::Ambiguous;
+        }
+        // An interval about one of several answers, near as they may lie, would hold the truth less often than it says.
+        let (least, most) =
+            elsewhere.iter().fold((value, value), |(least, most), &other| (least.min(other), most.max(other)));
+        for interval in [&mut self.interval_68, &mut self.interval_95].into_iter().flatten() {
+            let [low, high] = &mut *interval;
+            *low = low.map(|end| end - (value - least));
+            *high = high.map(|end| end + (most - value));
+            if let Some([lower, upper]) = self.bounds {
+                *low = low.filter(|end| *end > lower);
+                *high = high.filter(|end| *end < upper);
+            }
+        }
+        self.mark_open_ends();
+    }
+
+    /// Takes back a determined value whose interval is open on both sides, and marks one that is on one.
+    fn mark_open_ends(&mut self) {
+        match self.interval_95.filter(|_| self.status.is_determined()) {
+            Some([None, None]) => self.withdraw(),
+            Some([None, _] | [_, None]) => {
+                self.status = Status::OneSided;
+                self.with.clear();
+            }
+            _ => {}
+        }
+    }
+
+    /// Marks a value on a bound: ambiguous if a value inside fits as well, since then the data do not ask for wider bounds.
+    fn stopped_at_bound(&mut self, elsewhere: &[f64], noticeable: f64) {
+        self.status = Status::AtBound;
+        let (Some(value), Some([lower, upper])) = (self.value, self.bounds) else { return };
+        if elsewhere.iter().any(|other| other - lower > noticeable && upper - other > noticeable) {
+            self.status = Status::Ambiguous;
+            self.take_others(value, elsewhere, noticeable);
+        }
     }
 }
 
@@ -286,8 +290,7 @@ impl Uncertainty {
         let noticeable = NOTICEABLE * parameter.outside(parameter.typical_change());
         let value = |values: &[f64; COUNT]| parameter.outside(values[parameter.index()]);
         if role_is_free(role) && !self.inner.contains(&followed) {
-            estimate.status = Status::AtBound;
-            mark_inside(&mut estimate, found, self.unit, noticeable, value);
+            estimate.stopped_at_bound(&elsewhere(found, self.unit, value), noticeable);
             return estimate;
         }
         let variance = self.variance(&gradient, found);
@@ -299,7 +302,7 @@ impl Uncertainty {
                 estimate.status = Status::Correlated;
             }
         }
-        mark_ambiguous(&mut estimate, found, self.unit, noticeable, value);
+        estimate.allow_for(&elsewhere(found, self.unit, value), noticeable);
         estimate
     }
 
@@ -327,13 +330,8 @@ impl Uncertainty {
             [(low > bounds[0]).then_some(low), (high < bounds[1]).then_some(high)]
         };
         estimate.interval_68 = Some(interval(self.quantiles.sixty_eight));
-        let wide = interval(self.quantiles.ninety_five);
-        estimate.interval_95 = Some(wide);
-        if estimate.status == Status::Ok && wide == [None, None] {
-            estimate.withdraw();
-        } else if estimate.status == Status::Ok && wide.contains(&None) {
-            estimate.status = Status::OneSided;
-        }
+        estimate.interval_95 = Some(interval(self.quantiles.ninety_five));
+        estimate.mark_open_ends();
     }
 
     pub(crate) fn derived(&self, found: &Found<'_>, point: &Evaluation) -> Derived {
@@ -369,7 +367,7 @@ impl Uncertainty {
             estimate.widened_by = self.widened_by(&gradient, variance);
             self.finish(&mut estimate, variance.map(|variance| (variance + extra).sqrt()));
             let noticeable = NOTICEABLE * Parameter::DAir.typical_change();
-            mark_ambiguous(&mut estimate, found, self.unit, noticeable, |values| quantity.of(values));
+            estimate.allow_for(&elsewhere(found, self.unit, |values| quantity.of(values)), noticeable);
             estimate
         };
         Derived { period: of(Quantity::Period), optical_sum: of(Quantity::OpticalSum { gap, cuticle }) }
