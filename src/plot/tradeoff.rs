@@ -11,6 +11,8 @@ use crate::tradeoff::{Diagram, Map, Series, Sheet, Study, Verdict};
 const SMALLEST: f64 = 1e-16;
 /// Spread of a series in powers of ten above which its ends are named although they cost the same.
 const WIDE: f64 = 2.0;
+/// Costs nearer than this, in powers of ten, are drawn above each other.
+const ONE_COST: f64 = 0.05;
 /// Colours that stand out on white; from here on lines are dashed and the colours come again.
 const COLOURS: usize = 7;
 const PLOT_SIZE: (f64, f64) = (400.0, 300.0);
@@ -79,6 +81,7 @@ fn panel(diagram: &Diagram) -> Panel {
             }
         }
     }
+    let labels = once(labels);
     Panel {
         title: diagram.title.clone(),
         x_label: diagram.x_label.clone(),
@@ -91,6 +94,19 @@ fn panel(diagram: &Diagram) -> Panel {
         y_in_powers: diagram.y_in_powers,
         ..Panel::default()
     }
+}
+
+/// Of labels with one text above each other the uppermost, in the order of their places.
+fn once(labels: Vec<Label>) -> Vec<Label> {
+    let mut kept: Vec<Label> = Vec::new();
+    for label in labels {
+        match kept.iter_mut().find(|known| known.text == label.text && (known.x - label.x).abs() < ONE_COST) {
+            Some(known) if label.y > known.y => *known = label,
+            Some(_) => {}
+            None => kept.push(label),
+        }
+    }
+    kept
 }
 
 const MARGIN: f64 = 18.0;
@@ -215,7 +231,26 @@ fn paint(canvas: &mut Canvas, map: &Map, heads: &[Vec<String>], top: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tradeoff::{Form, Row};
+    use crate::tradeoff::{Form, Point, Row};
+
+    #[test]
+    fn series_that_begin_and_end_together_are_named_once_above() {
+        let point = |nodes: &str, x, y| Point { setting: nodes.to_owned(), x, y };
+        let series = |method: &str, high: f64| Series {
+            method: method.to_owned(),
+            points: vec![point("1 node", 7.0, high), point("2 nodes", 13.0, 0.1), point("9 nodes", 60.0, high / 1e3)],
+        };
+        let diagram = Diagram {
+            title: "cone".to_owned(),
+            x_label: "time / ns".to_owned(),
+            y_label: "error".to_owned(),
+            y_in_powers: true,
+            series: vec![series("low", 0.1), series("high", 10.0), series("middle", 1.0)],
+        };
+        let labels: Vec<(String, f64)> =
+            panel(&diagram).labels.into_iter().map(|label| (label.text, label.y.round())).collect();
+        assert_eq!(labels, [("1 node".to_owned(), 1.0), ("9 nodes".to_owned(), -2.0)]);
+    }
 
     #[test]
     fn every_cell_has_its_word_and_no_two_verdicts_one_colour() {

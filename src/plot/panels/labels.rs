@@ -10,7 +10,7 @@ use super::super::{PlotError, font};
 use super::data::Plot;
 use super::layout::{LEADING, Paragraph, lettering};
 use super::panel::{CAPITALS, Place};
-use super::{Label, LabelStyle};
+use super::{Label, LabelStyle, LineSeries};
 
 const EM: f64 = 12.5;
 /// White around a remark, and distance from its point.
@@ -23,6 +23,11 @@ const GAP: f64 = 3.0;
 /// Rings of places tried around a point, and places in a ring.
 const RINGS: u32 = 12;
 const DIRECTIONS: u32 = 16;
+/// Of these, so many rings for a remark that hides no line: one farther off would be taken for another point's.
+const NEAR_RINGS: usize = 3;
+
+/// Places close beside a point, in half widths and half heights.
+const BESIDE: [(f64, f64); 6] = [(1.0, -1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0)];
 
 /// An upright rectangle: left, upper, right, lower end.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +48,27 @@ impl Block {
             && self.2 <= place.right - GAP
             && self.3 <= place.bottom - GAP
     }
+
+    /// Whether the straight line between two points passes through, by Liang and Barsky's clipping (doi:10.1145/357332.357333).
+    fn is_crossed(&self, [from, to]: [(f64, f64); 2]) -> bool {
+        let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
+        if ![from.0, from.1, to.0, to.1].into_iter().all(f64::is_finite) {
+            return false;
+        }
+        let edges = [(from.0, to.0 - from.0, self.0, self.2), (from.1, to.1 - from.1, self.1, self.3)];
+        for (start, step, low, high) in edges {
+            if step == 0.0 {
+                if start < low || start > high {
+                    return false;
+                }
+                continue;
+            }
+            let (one, other) = ((low - start) / step, (high - start) / step);
+            enters = enters.max(one.min(other));
+            leaves = leaves.min(one.max(other));
+        }
+        enters <= leaves
+    }
 }
 
 /// Draws a badge with a short text around a centre.
@@ -59,9 +85,19 @@ pub(super) fn badge_radius(text: &str) -> Result<f64, PlotError> {
     Ok(RADIUS.max(font::width(text, EM, true)? / 2.0 + PADDING))
 }
 
-/// Draws the labels, the first ones where they like best.
-pub(super) fn paint(canvas: &mut Canvas, plot: &Plot<'_>, labels: &[Label]) -> Result<(), PlotError> {
+/// Draws the labels, the first ones where they like best; remarks beside the lines, if there is room near their points.
+pub(super) fn paint(
+    canvas: &mut Canvas,
+    plot: &Plot<'_>,
+    labels: &[Label],
+    lines: &[LineSeries],
+) -> Result<(), PlotError> {
     let place = plot.place;
+    let pieces = |line: &LineSeries| {
+        let points: Vec<(f64, f64)> = line.x.iter().zip(&line.y).map(|(&x, &y)| plot.at(x, y)).collect();
+        points.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>()
+    };
+    let pieces: Vec<[(f64, f64); 2]> = lines.iter().flat_map(pieces).collect();
     let shown = |label: &&Label| plot.x.contains(label.x) && plot.y.contains(label.y) && !label.text.trim().is_empty();
     let shown: Vec<(&Label, (f64, f64))> =
         labels.iter().filter(shown).map(|label| (label, plot.at(label.x, label.y))).collect();
@@ -89,7 +125,13 @@ pub(super) fn paint(canvas: &mut Canvas, plot: &Plot<'_>, labels: &[Label]) -> R
             let block = Block::around(*centre, half);
             block.is_inside(place) && !taken.iter().chain(&points).any(|other| block.touches(other))
         };
-        if let Some(centre) = candidates(point, half, is_badge).find(free) {
+        let hides_none = |centre: &(f64, f64)| {
+            let block = Block::around(*centre, half);
+            free(centre) && !pieces.iter().any(|piece| block.is_crossed(*piece))
+        };
+        let near = BESIDE.len() + NEAR_RINGS * DIRECTIONS as usize;
+        let beside = candidates(point, half, is_badge).take(near).find(hides_none).filter(|_| !is_badge);
+        if let Some(centre) = beside.or_else(|| candidates(point, half, is_badge).find(free)) {
             taken.push(Block::around(centre, half));
             settled.push((label, point, centre, half, text));
         }
@@ -135,7 +177,39 @@ fn candidates(
             (x + reach * far * angle.cos(), y + reach * high * angle.sin())
         })
     });
-    let beside = [(far, -high), (-far, -high), (far, high), (-far, high), (far, 0.0), (-far, 0.0)];
-    let beside = beside.into_iter().map(move |(right, down)| (x + right, y + down));
+    let beside = BESIDE.into_iter().map(move |(right, down)| (x + right * far, y + down * high));
     beside.filter(move |_| !is_badge).chain(rings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_crosses_what_it_passes_through() {
+        let block = Block(10.0, 20.0, 30.0, 40.0);
+        let crossed = [
+            [(0.0, 0.0), (40.0, 60.0)],
+            [(20.0, 0.0), (20.0, 100.0)],
+            [(15.0, 25.0), (16.0, 26.0)],
+            [(0.0, 30.0), (15.0, 30.0)],
+            [(20.0, 30.0), (20.0, 30.0)],
+        ];
+        let passed = [
+            [(0.0, 0.0), (9.0, 100.0)],
+            [(0.0, 30.0), (9.0, 30.0)],
+            [(0.0, 45.0), (100.0, 45.0)],
+            [(0.0, 60.0), (60.0, 60.0)],
+            [(5.0, 40.0), (12.0, 50.0)],
+            [(f64::NAN, 30.0), (9.0, 30.0)],
+        ];
+        for piece in crossed {
+            let [from, to] = piece;
+            assert!(block.is_crossed(piece) && block.is_crossed([to, from]), "{piece:?}");
+        }
+        for piece in passed {
+            let [from, to] = piece;
+            assert!(!block.is_crossed(piece) && !block.is_crossed([to, from]), "{piece:?}");
+        }
+    }
 }

@@ -199,7 +199,7 @@ impl<'a> Measured<'a> {
         self.x_label.paint(canvas, (across, under_ticks + self.lowered));
         self.y_label.paint(canvas, (label_left, down));
         match &self.axes {
-            Some((x, y)) => labels::paint(canvas, &Plot { place, x, y }, &self.panel.labels),
+            Some((x, y)) => labels::paint(canvas, &Plot { place, x, y }, &self.panel.labels, &self.panel.lines),
             None => Ok(()),
         }
     }
