@@ -82,6 +82,8 @@ pub(crate) struct Uncertainty {
     pub(crate) quantiles: Quantiles,
     /// Standard deviation of a weighted residual.
     unit: f64,
+    /// Whether the model misses the data.
+    misses: bool,
 }
 
 /// How far `sum gradient · parameter` moves at most along a held parameter; the truth lies
@@ -200,6 +202,7 @@ impl Uncertainty {
             columns: in_use.to_vec(),
             quantiles: Quantiles::new(source, dof),
             unit,
+            misses: source == SigmaSource::Widened,
         }
     }
 
@@ -290,7 +293,9 @@ impl Uncertainty {
         let noticeable = NOTICEABLE * parameter.outside(parameter.typical_change());
         let value = |values: &[f64; COUNT]| parameter.outside(values[parameter.index()]);
         if role_is_free(role) && !self.inner.contains(&followed) {
-            estimate.stopped_at_bound(&elsewhere(found, self.unit, value), noticeable);
+            // A model that misses may do so because of its bounds, and then everything fits as well.
+            let elsewhere = if self.misses { Vec::new() } else { elsewhere(found, self.unit, value) };
+            estimate.stopped_at_bound(&elsewhere, noticeable);
             return estimate;
         }
         let variance = self.variance(&gradient, found);
