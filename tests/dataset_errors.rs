@@ -330,7 +330,7 @@ fn the_hash_of_values_is_of_their_numbers() {
     // python3 -c "import hashlib, struct
     // rows = [(450, 0, .5, 1, .25, .01, 0, 0), (460, 0, .5, 1, -.125, .02, 1, 1)]
     // print(hashlib.sha256(b''.join(struct.pack('<8d', *row) for row in rows) + b'blue\nwing 2\n').hexdigest())"
-    let geometry = Geometry { theta: 0.0, phi: 0.5, omega: 1.0 };
+    let geometry = Geometry { theta: -0.0, phi: 0.5, omega: 1.0 };
     let reading = |wavelength, intensity, sigma, polarization, curve| Reading {
         wavelength,
         geometry,

@@ -3,7 +3,7 @@
 use crate::output;
 use morpho_fit::bsdf::BsdfError;
 use morpho_fit::dataset::Findings;
-use morpho_fit::inversion::{DesignError, FitError, SettingsError};
+use morpho_fit::inversion::{AdviceError, DesignError, FitError, SettingsError};
 use morpho_fit::optics::OpticsError;
 use morpho_fit::render::RenderError;
 use morpho_fit::report::paper::PaperError;
@@ -155,8 +155,11 @@ fn code_of_cause(cause: &(dyn Error + 'static)) -> Option<u8> {
         return match error {
             DesignError::Fit(error) => Some(code_of_fit(error)),
             DesignError::Optics(error) => Some(code_of_optics(error)),
-            DesignError::Data(_) => Some(BAD_DATA),
-            _ => None,
+            DesignError::Data(_) | DesignError::Advice(AdviceError::OtherData { .. } | AdviceError::Data(_)) => {
+                Some(BAD_DATA)
+            }
+            DesignError::Advice(AdviceError::Optics(error)) => Some(code_of_optics(error)),
+            _ => Some(USAGE),
         };
     }
     cause.downcast_ref::<FitError>().map(code_of_fit)

@@ -55,8 +55,10 @@ impl Count {
         let lines = (!quiet && bar.is_hidden()).then(|| {
             let bar = bar.clone();
             Lines::new(BETWEEN_LINES, move || {
-                let left = HumanDuration(bar.eta());
-                output::complain(&format!("{} of {of} fitted, about {left} left", bar.position()));
+                let done = bar.position();
+                // Before the first is done nobody knows.
+                let left = if done > 0 { format!(", about {} left", HumanDuration(bar.eta())) } else { String::new() };
+                output::complain(&format!("{done} of {of} fitted{left}"));
             })
         });
         Self { bar, _lines: lines }
@@ -145,7 +147,17 @@ mod tests {
     }
 
     #[test]
-    fn work_that_is_short_is_done_at_once() {
-        drop(Lines::new(Duration::from_secs(3600), || unreachable!()));
+    fn work_that_is_short_says_nothing_and_does_not_wait() {
+        let (told, telling) = mpsc::channel();
+        let (ended, end) = mpsc::channel();
+        let lines = Lines::new(Duration::from_secs(3600), move || {
+            let _ = told.send(());
+        });
+        thread::spawn(move || {
+            drop(lines);
+            let _ = ended.send(());
+        });
+        end.recv_timeout(Duration::from_secs(60)).unwrap();
+        assert_eq!(telling.try_recv(), Err(mpsc::TryRecvError::Disconnected));
     }
 }

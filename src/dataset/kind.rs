@@ -264,7 +264,7 @@ impl fmt::Display for FindingKind {
 
 impl FindingKind {
     /// What to do about it, where more lines of a file with the same fault need not repeat it.
-    pub(super) fn remedy(&self) -> Option<&'static str> {
+    pub(crate) fn remedy(&self) -> Option<&'static str> {
         match self {
             Self::DuplicateReading { .. } => {
                 Some("keep one, name two curves, or fit the parts of a file apart (morpho-fit batch --by COLUMN)")

@@ -99,10 +99,11 @@ pub struct Dataset {
 impl Dataset {
     /// A dataset from values instead of a file, under the same checks.
     ///
-    /// `curves` are the names of the records that [`Reading::curve`] counts. The hash is that of eight 64-bit
-    /// little-endian numbers for each reading, then of each name and a line feed: wavelength in nm, the three angles in
-    /// rad, intensity, sigma or 0, polarization (0 unpolarized, 1 s, 2 p) and curve. In numpy
-    /// `column_stack(...).astype("<f8").tobytes()` is these bytes.
+    /// `curves` are the names of the records that [`Reading::curve`] counts.
+    ///
+    /// The hash is that of eight 64-bit little-endian numbers for each reading (wavelength in nm, theta, phi and omega in rad,
+    /// intensity, sigma or 0, polarization: 0 unpolarized, 1 s, 2 p, and curve; -0 as 0), then of each name and a line feed. In
+    /// numpy these are the bytes `column_stack(columns).astype("<f8").tobytes() + b"data\n"` of eight columns and one curve.
     ///
     /// # Errors
     /// [`Findings`] with every reading that breaks a rule of [`Dataset`]; a reading with [`Reading::line`] 0 is named
@@ -229,7 +230,8 @@ fn bytes_of(readings: &[Reading], curves: &[String]) -> Vec<u8> {
         let curve = reading.curve as f64;
         let sigma = reading.sigma.unwrap_or(0.0);
         let values = [reading.wavelength, theta, phi, omega, reading.intensity, sigma, polarization, curve];
-        bytes.extend_from_slice(values.map(f64::to_le_bytes).as_flattened());
+        // Adding 0 turns -0 into 0: one measurement has one hash.
+        bytes.extend_from_slice(values.map(|value| (value + 0.0).to_le_bytes()).as_flattened());
     }
     for name in curves {
         bytes.extend_from_slice(name.as_bytes());

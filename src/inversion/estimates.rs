@@ -2,6 +2,7 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
+use crate::inversion::elsewhere::elsewhere;
 use crate::inversion::intervals::Quantiles;
 use crate::inversion::nuisance::{Column, LinearPart, Multiplies};
 use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, SigmaSource, Status};
@@ -20,9 +21,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A correlation beyond this is a status of its own.
 const CORRELATED: f64 = 0.99;
-/// A value at another minimum is another value if it lies off by more standard deviations than this, ...
-const ELSEWHERE: f64 = 3.0;
-/// ... and by more than this share of a change that matters.
+/// A value at another minimum is another value only if it lies off by more than this share of a change that matters.
 const NOTICEABLE: f64 = 0.2;
 /// A derived quantity with a smaller slope by every free parameter does not depend on them: a link keeps it.
 const ROUNDING: f64 = 1e-12;
@@ -98,74 +97,6 @@ fn shift(held: &Held, gradient: &[f64; COUNT], found: &Found<'_>) -> f64 {
             .abs()
     };
     held.elsewhere.iter().map(moved).fold(0.0, f64::max)
-}
-
-/// Minima that fit as well as the best, itself left out.
-pub(crate) fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = &'a Minimum> {
-    let (best, level) = (found.minima[0].sum_of_squares(), found.settings.level);
-    found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best <= level * unit * unit)
-}
-
-/// Values of a quantity, in its unit, at the minima that fit as well as the best.
-fn elsewhere(found: &Found<'_>, unit: f64, quantity: impl Fn(&[f64; COUNT]) -> f64) -> Vec<f64> {
-    as_good(found, unit).map(|minimum| quantity(&found.searched.freedom.expand(&minimum.parameters))).collect()
-}
-
-impl Estimate {
-    /// Takes those of `values` for others that lie farther than `far` from the own and from each other.
-    fn take_others(&mut self, value: f64, values: &[f64], far: f64) {
-        for other in values {
-            if (other - value).abs() > far && self.others.iter().all(|known| (other - known).abs() > far) {
-                self.others.push(*other);
-            }
-        }
-    }
-
-    /// Marks a value as ambiguous if it is another at other minima that fit as well, and widens its intervals to all of them.
-    ///
-    /// - `noticeable`: a difference below this is none, in the same unit.
-    fn allow_for(&mut self, elsewhere: &[f64], noticeable: f64) {
-        let (Some(value), Some(sigma)) = (self.value, self.sigma) else { return };
-        self.take_others(value, elsewhere, (ELSEWHERE * sigma).max(noticeable));
-        if !self.others.is_empty() {
-            self.status = Status::Ambiguous;
-        }
-        // An interval about one of several answers, near as they may lie, would hold the truth less often than it says.
-        let (least, most) =
-            elsewhere.iter().fold((value, value), |(least, most), &other| (least.min(other), most.max(other)));
-        for interval in [&mut self.interval_68, &mut self.interval_95].into_iter().flatten() {
-            let [low, high] = &mut *interval;
-            *low = low.map(|end| end - (value - least));
-            *high = high.map(|end| end + (most - value));
-            if let Some([lower, upper]) = self.bounds {
-                *low = low.filter(|end| *end > lower);
-                *high = high.filter(|end| *end < upper);
-            }
-        }
-        self.mark_open_ends();
-    }
-
-    /// Takes back a determined value whose interval is open on both sides, and marks one that is on one.
-    fn mark_open_ends(&mut self) {
-        match self.interval_95.filter(|_| self.status.is_determined()) {
-            Some([None, None]) => self.withdraw(),
-            Some([None, _] | [_, None]) => {
-                self.status = Status::OneSided;
-                self.with.clear();
-            }
-            _ => {}
-        }
-    }
-
-    /// Marks a value on a bound: ambiguous if a value inside fits as well, since then the data do not ask for wider bounds.
-    fn stopped_at_bound(&mut self, elsewhere: &[f64], noticeable: f64) {
-        self.status = Status::AtBound;
-        let (Some(value), Some([lower, upper])) = (self.value, self.bounds) else { return };
-        if elsewhere.iter().any(|other| other - lower > noticeable && upper - other > noticeable) {
-            self.status = Status::Ambiguous;
-            self.take_others(value, elsewhere, noticeable);
-        }
-    }
 }
 
 pub(crate) fn index_ratio(found: &Found<'_>) -> f64 {
@@ -307,7 +238,7 @@ impl Uncertainty {
                 estimate.status = Status::Correlated;
             }
         }
-        estimate.allow_for(&elsewhere(found, self.unit, value), noticeable);
+        estimate.allow_for(&elsewhere(found, self.unit, value), noticeable, &self.quantiles);
         estimate
     }
 
@@ -372,7 +303,8 @@ impl Uncertainty {
             estimate.widened_by = self.widened_by(&gradient, variance);
             self.finish(&mut estimate, variance.map(|variance| (variance + extra).sqrt()));
             let noticeable = NOTICEABLE * Parameter::DAir.typical_change();
-            estimate.allow_for(&elsewhere(found, self.unit, |values| quantity.of(values)), noticeable);
+            let elsewhere = elsewhere(found, self.unit, |values| quantity.of(values));
+            estimate.allow_for(&elsewhere, noticeable, &self.quantiles);
             estimate
         };
         Derived { period: of(Quantity::Period), optical_sum: of(Quantity::OpticalSum { gap, cuticle }) }

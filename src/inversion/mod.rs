@@ -8,6 +8,7 @@ mod combinations;
 mod compiled;
 mod constant;
 mod design;
+mod elsewhere;
 mod estimates;
 mod fit;
 mod fitter;
@@ -28,7 +29,6 @@ mod rows;
 mod screening;
 mod search;
 mod settings;
-mod side_by_side;
 mod solution;
 mod space;
 mod summary;
@@ -58,6 +58,5 @@ pub use plan::Plan;
 #[cfg(feature = "tradeoff")]
 pub(crate) use problem::Problem;
 pub use settings::{Derivative, FitSettings, ModelChoice, Parts, Search, SettingsError};
-pub use side_by_side::side_by_side;
 #[cfg(feature = "tradeoff")]
 pub(crate) use space::Space;

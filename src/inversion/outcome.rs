@@ -114,6 +114,7 @@ impl Estimate {
         self.held_at = self.value.take().or(self.held_at);
         (self.sigma, self.interval_68, self.interval_95) = (None, None, None);
         self.others.clear();
+        self.with.clear();
     }
 }
 

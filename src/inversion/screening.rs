@@ -113,6 +113,8 @@ mod tests {
         for (scale, weight, background) in [
             (Extent::None, Weight::Fixed(0.7), Extent::None),
             (Extent::Shared, Weight::Fixed(0.7), Extent::None),
+            (Extent::Shared, Weight::Fixed(0.7), Extent::Shared),
+            (Extent::Shared, Weight::Fitted, Extent::None),
             (Extent::Shared, Weight::Fitted, Extent::Shared),
             (Extent::PerCurve, Weight::Fitted, Extent::PerCurve),
         ] {

@@ -1,7 +1,8 @@
 //! Warnings of a fit: outliers, bounds, hidden scales, intervals without ends, other minima.
 
 use crate::dataset::Reading;
-use crate::inversion::estimates::{Found, as_good};
+use crate::inversion::elsewhere::as_good;
+use crate::inversion::estimates::Found;
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{Estimate, FittedReading, Status};
 use crate::inversion::parameter::{COUNT, Parameter};

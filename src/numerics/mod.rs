@@ -8,5 +8,6 @@ pub mod nonnegative;
 pub mod normal;
 pub mod quadrature;
 pub mod quantile;
+pub mod side_by_side;
 pub mod singular;
 pub mod trigonometry;

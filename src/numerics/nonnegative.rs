@@ -7,8 +7,8 @@ const DEPENDENT: f64 = 1e-12;
 
 /// Coefficients `c >= 0` that minimise `c' G c - 2 b' c`, for a Gram matrix `G = X' X` and `b = X' y`.
 ///
-/// The active-set method of Lawson and Hanson on columns scaled to length 1. A column of length 0, or one that depends
-/// on those before it, gets 0. A coefficient that is 0 is exactly 0.
+/// The active-set method of Lawson and Hanson on columns scaled to length 1; of two columns the closed form. A column of length
+/// 0 gets 0, and of columns that depend on each other all but one. A coefficient that is 0 is exactly 0.
 ///
 /// # Shape
 /// `gram: [q, q]`, `right: [q]`, result `[q]`. Values that are not finite give zeros.
@@ -118,12 +118,11 @@ pub fn pair([first, across, second]: [f64; 3], right: [f64; 2]) -> [f64; 2] {
         // The square of the sine between the columns.
         let apart = 1.0 - (across / first) * (across / second);
         if apart > DEPENDENT {
-            let both = [
-                (right[0] - across / second * right[1]) / (first * apart),
-                (right[1] - across / first * right[0]) / (second * apart),
-            ];
-            if both[0] >= 0.0 && both[1] >= 0.0 {
-                return both;
+            let other = (right[1] - across / first * right[0]) / (second * apart);
+            // From the other, not by its own formula: of columns nearly alike the sum keeps its digits.
+            let one = (right[0] - across * other) / first;
+            if one >= 0.0 && other >= 0.0 {
+                return [one, other];
             }
         }
     }
@@ -167,11 +166,13 @@ mod tests {
     #[test]
     fn the_closed_form_of_two_columns_is_what_the_active_sets_find() {
         let sizes = [0.0, 1e-150, 1e-3, 1.0, 7.0, 1e150];
-        let cosines = [-1.0, -0.999_999, -0.3, 0.0, 0.6, 0.999_999, 1.0];
+        // The last three have squared sines of 2e-6, 1e-9 and 2e-12.
+        let near = [0.999_999, 1.0 - 5e-10, 1.0 - 1e-12];
+        let cosines = [-1.0, -0.999_999, -0.3, 0.0, 0.6, 1.0].into_iter().chain(near);
         let along = [-2.0, -1e-9, 0.0, 0.3, 1.0];
         for first in sizes {
             for second in sizes {
-                for (cosine, x) in cosines.iter().flat_map(|cosine| along.map(|x| (cosine, x))) {
+                for (cosine, x) in cosines.clone().flat_map(|cosine| along.map(|x| (cosine, x))) {
                     for y in along {
                         let gram = [first * first, cosine * first * second, second * second];
                         let right = [x * first, y * second];
@@ -195,6 +196,18 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Half of either column, nearly alike: however badly that is told from others, the sum of squares left is 0.
+    #[test]
+    fn columns_nearly_alike_still_meet_what_they_make() {
+        for squared_sine in [1e-3, 1e-6, 1e-9, 2e-12] {
+            let cosine = f64::sqrt(1.0 - squared_sine);
+            let across = 0.5 * (1.0 + cosine);
+            let [c, d] = pair([1.0, cosine, 1.0], [across, across]);
+            let left = c * c + 2.0 * cosine * c * d + d * d - 2.0 * across * (c + d) + across;
+            assert!(left.abs() < 2e-15, "{squared_sine}: {c}, {d}, {left}");
         }
     }
 

@@ -32,6 +32,8 @@ pub(crate) struct Given {
 pub(crate) struct Said {
     pub(crate) options: ReadOptions,
     pub(crate) intensity_column: Option<String>,
+    /// Of a table that is a design alone: so many readings, whose intensities are 0.
+    pub(crate) blank: Option<usize>,
 }
 
 impl Said {
@@ -51,7 +53,7 @@ impl Said {
         let headings = [("theta", WideHeading::Theta), ("phi", WideHeading::Phi), ("curve", WideHeading::Curve)];
         let wide = settings.take::<String>("wide")?.map(|word| words::choose("wide", &word, &headings)).transpose()?;
         let options = ReadOptions { constants, wide, ..ReadOptions::default() };
-        Ok(Self { options, intensity_column: settings.take("intensity_column")? })
+        Ok(Self { options, intensity_column: settings.take("intensity_column")?, blank: None })
     }
 }
 
@@ -100,6 +102,8 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
         "intensity" => "other intensity".to_owned(),
         name => name.to_owned(),
     });
+    let blank = said.blank.filter(|_| !names.iter().any(|name| name == intensity));
+    let headings = headings.chain(blank.map(|_| "intensity".to_owned()));
     let notes = check_headings(headings.collect(), &said.options).map_err(|found| of_headings(py, &found))?;
     let column = |name: &str| {
         // A column that is the intensity is nothing else.
@@ -114,7 +118,11 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
         [constants.wavelength_nm, constants.theta_deg, constants.phi_deg, constants.omega_deg, None, constants.sigma];
     let mut columns: Vec<Option<Vec<f64>>> = Vec::new();
     for name in NUMBERS {
-        columns.push(column(name)?.map(|column| numbers(py, name, &column)).transpose()?);
+        let zeros = said.blank.filter(|_| name == "intensity").map(|readings| vec![0.0; readings]);
+        columns.push(match zeros {
+            None => column(name)?.map(|column| numbers(py, name, &column)).transpose()?,
+            zeros => zeros,
+        });
     }
     let curves = column("curve")?.map(|column| texts(py, "curve", &column)).transpose()?;
     let polarizations = column("polarization")?.map(|column| texts(py, "polarization", &column)).transpose()?;

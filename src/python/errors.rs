@@ -70,7 +70,11 @@ impl Defect {
 
 /// Each finding with its place; rows of a table count from 0.
 pub(crate) fn defects(findings: &Findings) -> Vec<Defect> {
+    let mut said = Vec::new();
     let defect = |finding: &Finding| {
+        let remedy = finding.kind.remedy().filter(|remedy| !said.contains(remedy));
+        said.extend(remedy);
+        let remedy = remedy.map(|remedy| format!("; {remedy}")).unwrap_or_default();
         let missing = match finding.kind {
             FindingKind::MissingColumn { name, .. } => Some(name.to_owned()),
             _ => None,
@@ -81,7 +85,12 @@ pub(crate) fn defects(findings: &Findings) -> Vec<Defect> {
                 let message = finding.kind.to_string();
                 let place = column.as_ref().map(|name| format!(", column `{name}`")).unwrap_or_default();
                 let row = number.saturating_sub(1);
-                Defect { line: None, column, reading: Some(row), message: format!("row {row}{place}: {message}") }
+                Defect {
+                    line: None,
+                    column,
+                    reading: Some(row),
+                    message: format!("row {row}{place}: {message}{remedy}"),
+                }
             }
             _ => Defect { line: finding.line(), column, reading: None, message: finding.to_string() },
         }

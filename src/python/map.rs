@@ -7,24 +7,25 @@ use super::patience::patiently;
 use super::settings::{Keywords, settings};
 use crate::dataset::{Dataset, Reading};
 use crate::export::{BatchFit, BatchValue, nothing, word};
-use crate::inversion::{Fitter, choose, side_by_side};
+use crate::inversion::{Fitter, choose};
+use crate::numerics::side_by_side::side_by_side;
 use numpy::IxDyn;
-use numpy::ndarray::{ArrayD, ArrayView1, Axis, arr0};
-use pyo3::exceptions::PyRuntimeError;
+use numpy::ndarray::{ArrayView1, Axis};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
+use std::convert::Infallible;
 
 /// Fits every pixel of a map, on all threads; each to the same bits as fit() does.
 ///
 /// design says where each of n readings was measured: what fit() takes. Its intensity is not used, and a table may leave it out.
-/// intensity is an array [..., n] of any shape before the readings; sigma a number, or an array that numpy broadcasts to it.
-/// settings as in fit().
+/// intensity is an array [..., n] of any shape before the readings; sigma a number, an array that numpy broadcasts to it, or a column
+/// of design. settings as in fit().
 ///
 /// Returns a dict of arrays [...] with the names of batch.csv, ready for a frame or for xarray: model, verdict, chi2, dof,
 /// sigma_source; d_air_nm, d_air_sigma_nm, d_air_status and so on for each quantity; warnings; error, which says why a pixel has
 /// no fit, such as a reading that is NaN. Where there is no value a number is NaN (dof -1) and a word "".
 ///
-/// Raises DataError, FitError, OpticsError, OSError, ValueError. Ctrl-C ends it.
+/// Raises DataError, FitError, OpticsError, OSError, ValueError. Ctrl-C ends it, and nothing is kept: fit a large map row by row.
 #[pyfunction]
 #[pyo3(signature = (design, intensity, *, sigma=None, **settings))]
 pub(crate) fn fit_map<'py>(
@@ -35,7 +36,7 @@ pub(crate) fn fit_map<'py>(
     settings: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut keywords = Keywords::of(settings)?;
-    let said = Said::take(&mut keywords)?;
+    let mut said = Said::take(&mut keywords)?;
     if said.intensity_column.is_some() {
         return Err(refused("intensity_column is for fit(): here the intensities are an array"));
     }
@@ -48,21 +49,29 @@ pub(crate) fn fit_map<'py>(
     let Some((&readings, shape)) = intensity.shape().split_last() else {
         return Err(refused("intensity is one number; it must be an array [..., n] with the readings last"));
     };
-    let Given { data: design, .. } = data::dataset(py, &with_intensity(py, design, readings)?, &said)?;
+    said.blank = Some(readings);
+    // One number for all is read as fit() reads it.
+    let sigma = match sigma {
+        Some(Column::One(one)) => {
+            said.options.constants.sigma = Some(one);
+            None
+        }
+        Some(Column::Array(array)) => Some(array.as_array().to_owned()),
+        None => None,
+    };
+    let Given { data: design, .. } = data::dataset(py, design, &said)?;
+    if sigma.is_some() && design.has_sigma() {
+        return Err(refused("sigma is given twice: by design and as an argument; leave one out"));
+    }
     let expected = design.readings().len();
     if readings != expected {
         return Err(refused(format!("intensity has {readings} readings in its last axis, but design has {expected}")));
     }
     let last = Axis(shape.len());
     let intensities: Vec<ArrayView1<'_, f64>> = intensity.lanes(last).into_iter().collect();
-    let sigma: Option<ArrayD<f64>> = sigma.map(|given| match given {
-        Column::One(one) => arr0(one).into_dyn(),
-        Column::Array(array) => array.as_array().to_owned(),
-    });
-    let whole = || IxDyn(intensity.shape());
     let stretched = sigma.as_ref().map(|sigma| {
         let (own, all) = (sigma.shape(), intensity.shape());
-        let view = sigma.broadcast(whole());
+        let view = sigma.broadcast(IxDyn(intensity.shape()));
         view.ok_or_else(|| {
             refused(format!("sigma has the shape {own:?}, which does not go with {all:?}, that of intensity"))
         })
@@ -83,30 +92,13 @@ pub(crate) fn fit_map<'py>(
         let mut found: Vec<Option<Result<BatchFit, String>>> = vec![None; intensities.len()];
         let take = |pixel: usize, fit| {
             found[pixel] = Some(fit);
-            Ok(())
+            Ok::<(), Infallible>(())
         };
-        side_by_side(intensities.len(), |pixel| one(pixel, progress), take, |error| error.to_string())?;
-        Ok::<_, String>(found)
+        side_by_side(intensities.len(), |pixel| one(pixel, progress), take).map(|()| found)
     })?;
-    let found: Vec<Result<BatchFit, String>> = found.map_err(PyRuntimeError::new_err)?.into_iter().flatten().collect();
+    let Ok(found) = found;
+    let found: Vec<Result<BatchFit, String>> = found.into_iter().flatten().collect();
     Table { py, shape, found: &found, all: PyDict::new(py) }.filled()
-}
-
-/// `design` with a column of intensities where it is a table; a file has one.
-fn with_intensity<'py>(py: Python<'py>, design: &Bound<'py, PyAny>, readings: usize) -> PyResult<Bound<'py, PyAny>> {
-    let is_text = design.is_instance_of::<PyBytes>() || design.is_instance_of::<PyString>();
-    let has_names = !is_text && (design.hasattr("keys")? || design.hasattr("columns")?);
-    if !has_names {
-        return Ok(design.clone());
-    }
-    let names = if design.hasattr("keys")? { design.call_method0("keys")? } else { design.getattr("columns")? };
-    let table = PyDict::new(py);
-    for name in names.try_iter()? {
-        let name = name?;
-        table.set_item(&name, design.get_item(&name)?)?;
-    }
-    table.set_item("intensity", array(py, vec![0.0; readings], &[readings])?)?;
-    Ok(table.into_any())
 }
 
 /// The readings of `design` with other intensities, or what is wrong with these in a line.
@@ -150,9 +142,12 @@ impl<'py> Table<'_, 'py> {
             self.numbers(&format!("{name}_sigma_{unit}"), |fit| of(fit).sigma)?;
             self.words(&format!("{name}_status"), |fit| word(&of(fit).status).unwrap_or_default())?;
         }
-        self.words("warnings", |fit| fit.warnings.join("; "))?;
+        // Sentences: as text of one width each would take the room of the longest.
+        let warnings =
+            self.found.iter().map(|fit| fit.as_ref().map_or_else(|_| String::new(), |fit| fit.warnings.join("; ")));
+        self.put("warnings", warnings.collect::<Vec<String>>(), "object")?;
         let errors = self.found.iter().map(|fit| fit.as_ref().err().cloned().unwrap_or_default());
-        self.put("error", errors.collect::<Vec<String>>(), "str")?;
+        self.put("error", errors.collect::<Vec<String>>(), "object")?;
         Ok(self.all)
     }
 

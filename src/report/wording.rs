@@ -119,7 +119,9 @@ pub fn meaning(status: Status) -> &'static str {
         Status::AtBound => "the best value lies on a bound: the data ask for more than the bounds allow",
         Status::OneSided => "told on one side: the interval reaches a bound and is open there",
         Status::Correlated => "determined, but almost only together with another: quote both, or the sum",
-        Status::Ambiguous => "another structure with another value fits as well; the interval spans them all",
+        Status::Ambiguous => {
+            "another structure with another value fits as well; the interval, if there is one, spans them all"
+        }
         Status::Insensitive => "nothing in the data depends on it: no value is given",
         Status::NotIdentifiable => "the data cannot tell it apart from others or from the noise: no value is given",
     }

@@ -61,6 +61,14 @@ def test_a_defect_of_a_frame_has_row_and_column(data: Path) -> None:
     assert (raised.value.column, raised.value.reading) == ("polarization", 0)
 
 
+def test_what_to_do_about_rows_that_are_there_twice_is_said_once(data: Path) -> None:
+    frame = pandas.read_csv(data / "blue_morpho.csv", comment="#")
+    with pytest.raises(DataError) as raised:
+        morpho_fit.fit(pandas.concat([frame, frame.head(3)]))
+    lines = str(raised.value).splitlines()
+    assert [line.count("keep one, name two curves") for line in lines] == [1, 0, 0]
+
+
 def test_a_file_that_is_not_there_is_an_os_error(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         morpho_fit.fit(tmp_path / "none.csv")

@@ -1,6 +1,7 @@
 """The pixels of a map as arrays: what the command's batch finds, to the last bit."""
 
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def test_each_pixel_is_that_of_the_commands_batch(design: pandas.DataFrame, comm
     for name, values in found.items():
         assert values.shape == (2, 3), name
         kind = values.dtype.kind
-        column = [{"f": float, "i": int, "U": str}[kind](cell or ("nan" if kind == "f" else "")) for cell in expected[name]]
+        column = [{"f": float, "i": int, "U": str, "O": str}[kind](cell or ("nan" if kind == "f" else "")) for cell in expected[name]]
         np.testing.assert_array_equal(values.ravel(), column, name)
 
 
@@ -57,7 +58,7 @@ def test_sigma_is_one_number_or_an_array_or_that_of_the_design(design: pandas.Da
     each = np.array([[0.01], [0.02]])
     one, both = (morpho_fit.fit_map(without, intensity, sigma=sigma)["chi2"] for sigma in (0.01, each))
     np.testing.assert_allclose(one, both * [1.0, 4.0], rtol=1e-9)
-    own = morpho_fit.fit_map(design, intensity)["chi2"]
+    own = morpho_fit.fit_map(design.drop(columns="intensity"), intensity)["chi2"]
     np.testing.assert_array_equal(own, morpho_fit.fit_map(without, intensity, sigma=design.sigma)["chi2"])
     scatter = morpho_fit.fit_map(without, intensity)
     assert [*scatter["sigma_source"]] == ["scatter", "scatter"]
@@ -74,6 +75,7 @@ def test_a_pixel_that_cannot_be_fitted_says_why_and_the_others_are(design: panda
     intensity = noisy(design, (3,))
     intensity[1, [4, 7]] = np.nan
     found = morpho_fit.fit_map(design, intensity)
+    assert found["error"].dtype == found["warnings"].dtype == object
     assert found["error"].tolist() == [
         "",
         "row 4, column `intensity`: `NaN` is not finite; leave the row out if nothing was measured, and 1 more",
@@ -98,7 +100,13 @@ def test_what_cannot_be_a_map_is_refused(design: pandas.DataFrame) -> None:
     with pytest.raises(ValueError, match="one number"):
         morpho_fit.fit_map(design, 0.5)
     with pytest.raises(ValueError, match=r"sigma has the shape \[2\], which does not go with"):
-        morpho_fit.fit_map(design, intensity, sigma=[0.1, 0.2])
+        morpho_fit.fit_map(design.drop(columns="sigma"), intensity, sigma=[0.1, 0.2])
+    with pytest.raises(ValueError, match="sigma is given twice"):
+        morpho_fit.fit_map(design, intensity, sigma=np.full((2, 1), 0.1))
+    with pytest.raises(morpho_fit.DataError, match="sigma"):
+        morpho_fit.fit_map(design, intensity, sigma=0.1)
+    with pytest.raises(morpho_fit.DataError, match="must be above 0"):
+        morpho_fit.fit_map(design.drop(columns="sigma"), intensity, sigma=-1)
     with pytest.raises(ValueError, match="the intensities are an array"):
         morpho_fit.fit_map(design, intensity, intensity_column="counts")  # type: ignore[call-arg]
     with pytest.raises(TypeError, match="advise"):
@@ -106,3 +114,25 @@ def test_what_cannot_be_a_map_is_refused(design: pandas.DataFrame) -> None:
     with pytest.raises(morpho_fit.FitError, match="nothing to fit"):
         all_fixed = {"d_air": 141, "d_cuticle": 62, "delta": 2.5, "phi_alpha": 0.5, "lamella_width": 300}
         morpho_fit.fit_map(design, intensity, fix=all_fixed)
+
+
+INTERRUPTED = """
+import os, signal, sys, threading
+import morpho_fit, numpy, pandas
+
+design = pandas.read_csv(sys.argv[1], comment="#")
+cube = numpy.broadcast_to(design.intensity, (1000, 1000, len(design)))
+# It would take hours.
+threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    morpho_fit.fit_map(design, cube)
+except KeyboardInterrupt:
+    print("interrupted, and still here:", morpho_fit.fit_map(design, design.intensity)["verdict"])
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to oneself there")
+def test_ctrl_c_ends_a_map_and_says_nothing_else(data: Path) -> None:
+    arguments = [sys.executable, "-c", INTERRUPTED, data / "blue_morpho.csv"]
+    run = subprocess.run(arguments, capture_output=True, text=True, timeout=120, check=False)
+    assert (run.stdout, run.stderr) == ("interrupted, and still here: determined\n", "")

@@ -17,7 +17,8 @@ use crate::progress::Count;
 use anyhow::{Result, anyhow};
 use morpho_fit::dataset::Findings;
 use morpho_fit::export::{BATCH_SCHEMA, Batch, BatchCounts, BatchFit, BatchRow, batch_csv, batch_json};
-use morpho_fit::inversion::{Fitter, side_by_side};
+use morpho_fit::inversion::Fitter;
+use morpho_fit::numerics::side_by_side::side_by_side;
 use morpho_fit::report::{batch, terminal};
 use serde_json::json;
 use std::collections::HashSet;
@@ -301,8 +302,7 @@ impl Work<'_> {
             count.one_more();
             Ok(())
         };
-        let of_threads = |error| anyhow::Error::new(error).context("the threads cannot be started");
-        side_by_side(open.len(), |place| self.one(open[place]), take, of_threads)
+        side_by_side(open.len(), |place| self.one(open[place]), take)
     }
 
     fn one(&self, index: usize) -> Done {
