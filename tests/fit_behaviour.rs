@@ -242,7 +242,7 @@ fn signs_are_asked_about_only_where_there_are_any() {
 /// truth out of every interval of the optical sum.
 #[test]
 fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
-    let (mut held, mut hidden, mut ambiguous, mut fits) = (0, [0, 0], [0, 0], 0);
+    let (mut held, mut hidden, mut ambiguous, mut on_a_bound, mut fits) = (0, [0, 0], [0, 0], 0, 0);
     for tilt in [0.0, 2.5] {
         let truth = Structure { delta: radians(tilt), ..Structure::blue() };
         let sum = truth.d_air + 1.56 * truth.d_cuticle;
@@ -259,9 +259,16 @@ fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
                 // That 0 fits as well is no reason to widen a bound.
                 status => assert_ne!(status, Status::AtBound),
             }
+            let widen = found.warnings.iter().any(|warning| warning.contains("--bounds delta"));
+            assert!(!widen, "{:?}", found.warnings);
+            if found.parameters.delta.value.is_some_and(|delta| delta.abs() >= 10.0) {
+                on_a_bound += 1;
+                assert!(found.warnings.iter().any(|warning| warning.contains("but a value inside fits as well")));
+            }
         }
     }
     assert!(hidden[1] >= 5 && hidden[0] == 0, "{hidden:?}");
+    assert!(on_a_bound >= 5, "{on_a_bound}");
     assert!(ambiguous[1] >= 15 && ambiguous[0] <= 1, "{ambiguous:?}");
     // 95 % of 80 less two standard deviations.
     assert!(fits >= 75 && held * 10 >= fits * 9, "{held} of {fits}");

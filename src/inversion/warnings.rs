@@ -25,11 +25,20 @@ pub(crate) fn bounds(found: &Found<'_>, estimates: &[Estimate; COUNT]) -> Vec<St
     // At angles of 0 there is no sign to be wrong.
     let signed = |reading: &Reading| reading.geometry.theta != 0.0 || reading.geometry.phi != 0.0;
     let turned = found.data.readings().iter().any(signed);
+    let on_a_bound = |(_, estimate): &(&Parameter, &Estimate)| {
+        let on = |value| estimate.bounds.is_some_and(|bounds| bounds.contains(&value));
+        estimate.status == Status::AtBound || estimate.status == Status::Ambiguous && estimate.value.is_some_and(on)
+    };
     (Parameter::ALL.iter().zip(estimates))
-        .filter(|(_, estimate)| estimate.status == Status::AtBound)
+        .filter(on_a_bound)
         .map(|(parameter, estimate)| {
             let value = estimate.value.unwrap_or_default();
             let unit = parameter.unit();
+            if estimate.status == Status::Ambiguous {
+                return format!(
+                    "{parameter} ended on its bound {value:.4} {unit}, where it may lie beyond, but a value inside fits as well"
+                );
+            }
             let hint = if *parameter == Parameter::Delta && turned {
                 " (or is phi the other way round? a mirror reflects theta = 20 into phi = -20)"
             } else {
