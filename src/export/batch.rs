@@ -7,6 +7,9 @@ use crate::inversion::{
 };
 use serde::{Deserialize, Serialize};
 
+/// Between warnings in one cell: they are sentences with semicolons.
+pub(crate) const JOINT: &str = " | ";
+
 /// Schema of `batch.json`.
 pub const BATCH_SCHEMA: &str = "morpho-fit/batch/1";
 
@@ -15,8 +18,11 @@ pub const BATCH_SCHEMA: &str = "morpho-fit/batch/1";
 pub struct BatchValue {
     /// Best value; none where the data do not determine it.
     pub value: Option<f64>,
-    /// Its standard deviation; none where it means nothing.
+    /// Its standard deviation; none where it means nothing. Of an ambiguous value that of one structure alone.
     pub sigma: Option<f64>,
+    /// Its interval of 95 %, which spans every structure that fits as well; an open end, at a bound, is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval_95: Option<[Option<f64>; 2]>,
     /// What can be said of it.
     pub status: Status,
 }
@@ -89,6 +95,7 @@ impl BatchFit {
         let short = |estimate: &Estimate| BatchValue {
             value: estimate.value,
             sigma: estimate.value.and(estimate.sigma),
+            interval_95: estimate.value.and(estimate.interval_95),
             status: estimate.status,
         };
         let (parameters, derived) = (&outcome.parameters, &outcome.derived);
@@ -209,8 +216,8 @@ pub fn batch_json(batch: &Batch) -> Result<Vec<u8>, ExportError> {
 }
 
 /// A row an item: `item`, or both columns of the map under their own names; `model`, `verdict`, `chi2`, `dof`; value,
-/// standard deviation and status of each quantity (`d_air_nm`, `d_air_sigma_nm`, `d_air_status`, …); `warnings`,
-/// joined by `; `; `sha256` of the data; `error`.
+/// standard deviation, status and ends of the interval of 95 % of each quantity (`d_air_nm`, `d_air_sigma_nm`, `d_air_status`,
+/// `d_air_low_95_nm`, `d_air_high_95_nm`, …); `warnings`, joined by ` | `; `sha256` of the data; `error`.
 ///
 /// Cells are empty where there is no value. Numbers are the shortest text with the same bits.
 ///
@@ -226,6 +233,7 @@ pub fn batch_csv(batch: &Batch) -> Result<Vec<u8>, ExportError> {
     headings.extend(["model", "verdict", "chi2", "dof", "sigma_source"].map(str::to_owned));
     for (name, unit, _) in nothing().each() {
         headings.extend([format!("{name}_{unit}"), format!("{name}_sigma_{unit}"), format!("{name}_status")]);
+        headings.extend(["low", "high"].map(|end| format!("{name}_{end}_95_{unit}")));
     }
     headings.extend(["warnings", "sha256", "error"].map(str::to_owned));
     writer.write_record(&headings)?;
@@ -241,9 +249,10 @@ pub fn batch_csv(batch: &Batch) -> Result<Vec<u8>, ExportError> {
                 cells.push(word(&fit.sigma_source)?);
                 for (_, _, found) in fit.values.each() {
                     let text = |value: Option<f64>| value.map(number).unwrap_or_default();
-                    cells.extend([text(found.value), text(found.sigma), word(&found.status)?]);
+                    let [low, high] = found.interval_95.unwrap_or_default();
+                    cells.extend([text(found.value), text(found.sigma), word(&found.status)?, text(low), text(high)]);
                 }
-                cells.push(fit.warnings.join("; "));
+                cells.push(fit.warnings.join(JOINT));
             }
             None => cells.resize(headings.len() - 2, String::new()),
         }
@@ -269,7 +278,7 @@ pub(crate) fn word(value: &impl Serialize) -> Result<String, ExportError> {
 
 /// Values for the names alone.
 pub(crate) fn nothing() -> BatchValues {
-    let none = BatchValue { value: None, sigma: None, status: Status::NotIdentifiable };
+    let none = BatchValue { value: None, sigma: None, interval_95: None, status: Status::NotIdentifiable };
     BatchValues {
         d_air: none,
         d_cuticle: none,
@@ -293,7 +302,12 @@ mod tests {
             dof: 9,
             sigma_source: SigmaSource::Stated,
             values: BatchValues {
-                d_air: BatchValue { value: Some(0.1), sigma: Some(2e-7), status: Status::Ambiguous },
+                d_air: BatchValue {
+                    value: Some(0.1),
+                    sigma: Some(2e-7),
+                    interval_95: Some([None, Some(0.3)]),
+                    status: Status::Ambiguous,
+                },
                 ..nothing()
             },
             warnings: vec!["one, two".to_owned(), "three".to_owned()],
@@ -343,14 +357,15 @@ mod tests {
             ]);
             assert_eq!(headings.iter().take(expected.len()).collect::<Vec<_>>(), expected);
             assert_eq!(headings.iter().rev().take(3).collect::<Vec<_>>(), ["error", "sha256", "warnings"]);
-            assert_eq!(headings.len(), first.len() + 5 + 21 + 3);
+            assert_eq!(headings.len(), first.len() + 5 + 35 + 3);
             let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
             let cell = |row: usize, name: &str| &rows[row][headings.iter().position(|head| head == name).unwrap()];
             assert_eq!((cell(0, "d_air_nm"), cell(0, "d_air_sigma_nm")), ("0.1", "2e-7"));
+            assert_eq!((cell(0, "d_air_low_95_nm"), cell(0, "d_air_high_95_nm")), ("", "0.3"));
             assert_eq!((cell(0, "d_air_status"), cell(0, "verdict")), ("ambiguous", "partly_determined"));
             assert_eq!((cell(0, "model"), cell(1, "model")), ("blend + tilt", ""));
             assert_eq!((cell(0, "delta_deg"), cell(0, "delta_status")), ("", "not_identifiable"));
-            assert_eq!((cell(0, "warnings"), cell(1, "error")), ("one, two; three", "no \"data\""));
+            assert_eq!((cell(0, "warnings"), cell(1, "error")), ("one, two | three", "no \"data\""));
             assert_eq!((cell(1, "verdict"), cell(1, "sha256")), ("", ""));
             assert_eq!(cell(0, first[0]), if first.len() == 2 { "1" } else { "a,b" });
         }

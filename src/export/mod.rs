@@ -21,7 +21,7 @@ mod tradeoff;
 
 pub use batch::{BATCH_SCHEMA, Batch, BatchCounts, BatchFit, BatchRow, BatchValue, BatchValues, batch_csv, batch_json};
 #[cfg(feature = "python")]
-pub(crate) use batch::{nothing, word};
+pub(crate) use batch::{JOINT, nothing, word};
 pub use bsdf::{BSDF_SCHEMA, BsdfFile, BsdfSheet, certificate_json};
 pub use colours::colours_csv;
 pub use constant::{CONSTANT_SCHEMA, constant_csv, constant_json};

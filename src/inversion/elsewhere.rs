@@ -54,6 +54,8 @@ impl Estimate {
     /// union over minima i with gap_i < q² of value_i ± sigma sqrt(q² - gap_i)
     /// ```
     ///
+    /// The interval of 95 % holds the value of every minimum that fits, too, and the whole of one that is apart.
+    ///
     /// - `noticeable`: a difference below this is none, in the same unit.
     pub(crate) fn allow_for(&mut self, elsewhere: &[Elsewhere], noticeable: f64, quantiles: &Quantiles) {
         let (Some(value), Some(sigma)) = (self.value, self.sigma) else { return };
@@ -67,9 +69,10 @@ impl Estimate {
         for (interval, quantile) in intervals.into_iter().zip([quantiles.sixty_eight, quantiles.ninety_five]) {
             let Some([low, high]) = interval else { continue };
             for other in elsewhere {
-                let left = if is_ambiguous { quantile * quantile } else { quantile * quantile - other.gap };
-                if left > 0.0 {
-                    let reach = sigma * left.sqrt();
+                let is_apart = is_ambiguous || (other.value - value).abs() > APART * sigma;
+                let left = if is_apart { quantile * quantile } else { quantile * quantile - other.gap };
+                if left > 0.0 || quantile > quantiles.sixty_eight {
+                    let reach = sigma * left.max(0.0).sqrt();
                     *low = low.map(|end| end.min(other.value - reach)).filter(|end| *end > bounds[0]);
                     *high = high.map(|end| end.max(other.value + reach)).filter(|end| *end < bounds[1]);
                 }
@@ -156,8 +159,21 @@ mod tests {
         let [Some(low), Some(high)] = found.interval_95.unwrap() else { panic!("{found:?}") };
         assert_relative_eq!(low, 8.0 - (1.96_f64 * 1.96 - 3.0).sqrt(), epsilon = 1e-3);
         assert_eq!(Some(high), before.interval_95.unwrap()[1]);
-        let none = allowing(Status::Ok, &[Elsewhere { value: 8.0, gap: 4.0 }]);
-        assert_eq!(none, before);
+        let hardly = allowing(Status::Ok, &[Elsewhere { value: 7.5, gap: 4.0 }]);
+        assert_eq!(hardly.interval_95.unwrap()[0], Some(7.5));
+        assert_eq!(hardly.interval_68, before.interval_68);
+        assert_eq!(allowing(Status::Ok, &[Elsewhere { value: 9.0, gap: 4.0 }]), before);
+    }
+
+    /// Four standard deviations off, but by less than matters.
+    #[test]
+    fn a_structure_apart_is_spanned_although_it_is_no_other_answer() {
+        let (mut estimate, quantiles) = ten(Status::Ok);
+        estimate.allow_for(&[Elsewhere { value: 14.0, gap: 6.0 }], 5.0, &quantiles);
+        assert_eq!((estimate.status, estimate.others.len()), (Status::Ok, 0));
+        let [Some(_), Some(high)] = estimate.interval_95.unwrap() else { panic!("{estimate:?}") };
+        assert_relative_eq!(high, 14.0 + 1.96, epsilon = 1e-3);
+        assert_relative_eq!(estimate.sigma.unwrap(), 0.5 * (4.0 + 2.0 * 1.96) / 1.96, epsilon = 1e-3);
     }
 
     #[test]

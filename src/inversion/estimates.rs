@@ -328,8 +328,9 @@ impl Uncertainty {
             let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
             total.as_ref().map(|matrix| matrix[(place, place)].sqrt())
         };
-        // A parameter that acts as a scale was held at some value, and the scale with it.
-        let conditional = found.held.iter().any(|held| held.absorbed && held.direction.len() == 1);
+        // A parameter that acts as a scale, or that has other values which fit, was held at some value, and the scale with it.
+        let moves = |held: &Held| held.absorbed && held.direction.len() == 1 || !held.elsewhere.is_empty();
+        let conditional = found.held.iter().any(moves);
         (found.linear.columns.iter().enumerate())
             .map(|(i, column)| NuisanceFound {
                 name: column_name(column, found.data),

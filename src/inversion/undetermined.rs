@@ -19,7 +19,7 @@ pub(crate) struct Held {
     pub(crate) deviation: f64,
     /// Whether the data do depend on its first parameter, but a scale or background does the same.
     pub(crate) absorbed: bool,
-    /// Structures that fit as well with its parameter elsewhere, if it is one alone; inside units.
+    /// Structures that fit as well with its parameter elsewhere, if no thickness is a part of it; inside units.
     pub(crate) elsewhere: Vec<[f64; COUNT]>,
 }
 
@@ -126,16 +126,29 @@ pub(crate) fn hold_undetermined(
         // Its slope is 0, as at a symmetry, or so small that the noise hides it: the others move with it either way. What only acts
         // as a scale does moves nothing but the scale.
         let moves = !absorbed || deviation.is_finite();
-        let alone = direction.len() == 1 && moves && compiled.plan.sees(parameter);
-        let elsewhere = if alone {
-            let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
-            elsewhere(compiled, robust, parameter, &values, most)
-        } else {
-            Vec::new()
+        let elsewhere = match walked(&direction).filter(|&walked| moves && compiled.plan.sees(walked)) {
+            Some(walked) => {
+                let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
+                elsewhere(compiled, robust, walked, &values, most)
+            }
+            None => Vec::new(),
         };
         held.push(Held { direction, deviation, absorbed, elsewhere });
     }
     Ok((held, space, best))
+}
+
+/// The parameter that is moved to see what moves along a direction beyond its derivatives; none if thicknesses are a part of it:
+/// then they are not told, and what is told of their sums does not change along it.
+fn walked(direction: &[(Parameter, f64)]) -> Option<Parameter> {
+    let holds = |wanted: Parameter| direction.iter().any(|(part, _)| *part == wanted);
+    match direction {
+        [(alone, _)] => Some(*alone),
+        _ if holds(Parameter::DAir) || holds(Parameter::DCuticle) => None,
+        // Tilt and lobe may do as one; the thicknesses move with the tilt.
+        [(first, _), ..] => Some(if holds(Parameter::Delta) { Parameter::Delta } else { *first }),
+        [] => None,
+    }
 }
 
 /// Structures off in `parameter`, to either side, whose sum of squares is below `most`.

@@ -132,7 +132,8 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
     let length = columns[4].as_ref().map_or(0, Vec::len);
     for (name, found) in lengths {
         if found != length {
-            return Err(Defect::of_column(name, format!("{found} values, but intensity has {length}")).raise(py));
+            let of = if said.blank.is_some() { "the last axis of intensity" } else { "intensity" };
+            return Err(Defect::of_column(name, format!("{found} values, but {of} has {length}")).raise(py));
         }
     }
     let mut record = Records::default();

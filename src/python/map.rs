@@ -6,7 +6,7 @@ use super::errors::{defects, of_fit, refused};
 use super::patience::patiently;
 use super::settings::{Keywords, settings};
 use crate::dataset::{Dataset, Reading};
-use crate::export::{BatchFit, BatchValue, nothing, word};
+use crate::export::{BatchFit, BatchValue, JOINT, nothing, word};
 use crate::inversion::{Fitter, choose};
 use crate::numerics::side_by_side::side_by_side;
 use numpy::IxDyn;
@@ -18,12 +18,13 @@ use std::convert::Infallible;
 /// Fits every pixel of a map, on all threads; each to the same bits as fit() does.
 ///
 /// design says where each of n readings was measured: what fit() takes. Its intensity is not used, and a table may leave it out.
-/// intensity is an array [..., n] of any shape before the readings; sigma a number, an array that numpy broadcasts to it, or a column
+/// intensity is an array [..., n] of any shape before the readings; what is NaN or masked was not measured. sigma is a number, an array that numpy broadcasts to it, or a column
 /// of design. settings as in fit().
 ///
 /// Returns a dict of arrays [...] with the names of batch.csv, ready for a frame or for xarray: model, verdict, chi2, dof,
-/// sigma_source; d_air_nm, d_air_sigma_nm, d_air_status and so on for each quantity; warnings; error, which says why a pixel has
-/// no fit, such as a reading that is NaN. Where there is no value a number is NaN (dof -1) and a word "".
+/// sigma_source; d_air_nm, d_air_sigma_nm, d_air_status, d_air_low_95_nm, d_air_high_95_nm and so on for each quantity; warnings;
+/// error, which says why a pixel has no fit. Where there is no value, or an interval is open, a number is NaN (dof -1) and a word
+/// "". The standard deviation of an "ambiguous" value is that of one structure alone: its interval spans all that fit.
 ///
 /// Raises DataError, FitError, OpticsError, OSError, ValueError. Ctrl-C ends it, and nothing is kept: fit a large map row by row.
 #[pyfunction]
@@ -42,6 +43,7 @@ pub(crate) fn fit_map<'py>(
     }
     let (model, settings) = self::settings(py, &mut keywords)?;
     keywords.finish()?;
+    let intensity = unmasked(py, intensity)?;
     let Column::Array(intensity) = intensity.extract::<Column<'_>>()? else {
         return Err(refused("intensity is one number; it must be an array [..., n] with the readings last"));
     };
@@ -73,7 +75,8 @@ pub(crate) fn fit_map<'py>(
         let (own, all) = (sigma.shape(), intensity.shape());
         let view = sigma.broadcast(IxDyn(intensity.shape()));
         view.ok_or_else(|| {
-            refused(format!("sigma has the shape {own:?}, which does not go with {all:?}, that of intensity"))
+            let hint = if own == shape { "; one for each pixel is sigma[..., None]" } else { "" };
+            refused(format!("sigma has the shape {own:?}, which does not go with {all:?}, that of intensity{hint}"))
         })
     });
     let stretched = stretched.transpose()?;
@@ -101,18 +104,39 @@ pub(crate) fn fit_map<'py>(
     Table { py, shape, found: &found, all: PyDict::new(py) }.filled()
 }
 
-/// The readings of `design` with other intensities, or what is wrong with these in a line.
+/// A masked array with NaN where it is masked; anything else as it is.
+fn unmasked<'py>(py: Python<'py>, intensity: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    if intensity.get_type().name()? != "MaskedArray" {
+        return Ok(intensity.clone());
+    }
+    let numbers = py.import("numpy")?.getattr("float64")?;
+    intensity.call_method1("astype", (numbers,))?.call_method1("filled", (f64::NAN,))
+}
+
+/// The readings of `design` with other intensities, but for those that are NaN, or what is wrong with these in a line.
 fn pixel_of(
     design: &Dataset,
     intensities: &ArrayView1<'_, f64>,
     sigmas: Option<&ArrayView1<'_, f64>>,
 ) -> Result<Dataset, String> {
-    let readings = design.readings().iter().zip(intensities).enumerate();
-    let readings = readings.map(|(row, (reading, &intensity))| {
+    let mut curves: Vec<usize> = Vec::new();
+    let mut readings = Vec::with_capacity(intensities.len());
+    for (row, (reading, &intensity)) in design.readings().iter().zip(intensities).enumerate() {
+        if intensity.is_nan() {
+            continue;
+        }
+        let curve = curves.iter().position(|known| *known == reading.curve).unwrap_or_else(|| {
+            curves.push(reading.curve);
+            curves.len() - 1
+        });
         let sigma = sigmas.map(|all| all[row]).or(reading.sigma);
-        Reading { intensity, sigma, line: 0, ..*reading }
-    });
-    Dataset::from_readings(readings.collect(), design.curves().to_vec()).map_err(|findings| {
+        readings.push(Reading { intensity, sigma, curve, line: 0, ..*reading });
+    }
+    if readings.is_empty() {
+        return Err("nothing was measured".to_owned());
+    }
+    let names = curves.into_iter().map(|curve| design.curves()[curve].clone());
+    Dataset::from_readings(readings, names.collect()).map_err(|findings| {
         let more = findings.total() - 1;
         let first = defects(&findings).into_iter().next().map(|defect| defect.message).unwrap_or_default();
         if more > 0 { format!("{first}, and {more} more") } else { first }
@@ -141,10 +165,15 @@ impl<'py> Table<'_, 'py> {
             self.numbers(&format!("{name}_{unit}"), |fit| of(fit).value)?;
             self.numbers(&format!("{name}_sigma_{unit}"), |fit| of(fit).sigma)?;
             self.words(&format!("{name}_status"), |fit| word(&of(fit).status).unwrap_or_default())?;
+            for (end, place) in [("low", 0), ("high", 1)] {
+                self.numbers(&format!("{name}_{end}_95_{unit}"), |fit| {
+                    of(fit).interval_95.and_then(|ends| ends[place])
+                })?;
+            }
         }
         // Sentences: as text of one width each would take the room of the longest.
         let warnings =
-            self.found.iter().map(|fit| fit.as_ref().map_or_else(|_| String::new(), |fit| fit.warnings.join("; ")));
+            self.found.iter().map(|fit| fit.as_ref().map_or_else(|_| String::new(), |fit| fit.warnings.join(JOINT)));
         self.put("warnings", warnings.collect::<Vec<String>>(), "object")?;
         let errors = self.found.iter().map(|fit| fit.as_ref().err().cloned().unwrap_or_default());
         self.put("error", errors.collect::<Vec<String>>(), "object")?;

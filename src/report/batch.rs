@@ -110,14 +110,14 @@ mod tests {
 
     #[test]
     fn each_item_has_its_values_under_their_headings() {
-        let value = |value: f64, status| BatchValue { value: Some(value), sigma: Some(0.5), status };
+        let value = |value: f64, status| BatchValue { value: Some(value), sigma: Some(0.5), interval_95: None, status };
         let ok = |number| value(number, Status::Ok);
         let values = BatchValues {
             d_air: ok(141.0),
             d_cuticle: value(62.0, Status::Ambiguous),
             delta: ok(2.5),
             phi_alpha: ok(0.5),
-            lamella_width: BatchValue { value: None, sigma: None, status: Status::Insensitive },
+            lamella_width: BatchValue { value: None, sigma: None, interval_95: None, status: Status::Insensitive },
             period: ok(203.0),
             optical_sum: ok(237.7),
         };

@@ -73,17 +73,29 @@ def test_a_file_is_a_design_too(data: Path) -> None:
 
 def test_a_pixel_that_cannot_be_fitted_says_why_and_the_others_are(design: pandas.DataFrame) -> None:
     intensity = noisy(design, (3,))
-    intensity[1, [4, 7]] = np.nan
+    intensity[1, 4], intensity[2] = np.inf, np.nan
     found = morpho_fit.fit_map(design, intensity)
     assert found["error"].dtype == found["warnings"].dtype == object
     assert found["error"].tolist() == [
         "",
-        "row 4, column `intensity`: `NaN` is not finite; leave the row out if nothing was measured, and 1 more",
-        "",
+        "row 4, column `intensity`: `inf` is not finite; leave the row out if nothing was measured",
+        "nothing was measured",
     ]
-    assert np.isnan(found["d_air_nm"]).tolist() == [False, True, False]
-    assert found["dof"][1] == -1
+    assert np.isnan(found["d_air_nm"]).tolist() == [False, True, True]
+    assert found["dof"][1:].tolist() == [-1, -1]
     assert found["verdict"][1] == found["d_air_status"][1] == ""
+
+
+def test_what_is_nan_or_masked_was_not_measured(design: pandas.DataFrame) -> None:
+    intensity = noisy(design, (1,))
+    # A whole curve among it.
+    left_out = np.asarray(design.index.isin([4, 7]) | (design.curve == design.curve[0]))
+    alone = morpho_fit.fit(design.assign(intensity=intensity[0])[~left_out])
+    with_nan = np.where(left_out, np.nan, intensity)
+    masked = np.ma.masked_array(intensity, mask=[left_out])
+    for given in (with_nan, masked):
+        found = morpho_fit.fit_map(design, given)
+        assert (found["d_air_nm"][0], found["dof"][0]) == (alone.values["d_air"], alone.dof)
 
 
 def test_no_pixels_are_empty_columns(design: pandas.DataFrame) -> None:
@@ -95,12 +107,14 @@ def test_what_cannot_be_a_map_is_refused(design: pandas.DataFrame) -> None:
     intensity = noisy(design, (2,))
     with pytest.raises(ValueError, match="intensity has 3 readings in its last axis, but design has"):
         morpho_fit.fit_map(design.to_csv(index=False), np.zeros((2, 3)))
-    with pytest.raises(morpho_fit.DataError, match="values, but intensity has 3"):
+    with pytest.raises(morpho_fit.DataError, match="values, but the last axis of intensity has 3"):
         morpho_fit.fit_map(design, np.zeros((2, 3)))
     with pytest.raises(ValueError, match="one number"):
         morpho_fit.fit_map(design, 0.5)
     with pytest.raises(ValueError, match=r"sigma has the shape \[2\], which does not go with"):
         morpho_fit.fit_map(design.drop(columns="sigma"), intensity, sigma=[0.1, 0.2])
+    with pytest.raises(ValueError, match=r"one for each pixel is sigma\[..., None\]"):
+        morpho_fit.fit_map(design.drop(columns="sigma"), noisy(design, (2, 3)), sigma=np.full((2, 3), 0.1))
     with pytest.raises(ValueError, match="sigma is given twice"):
         morpho_fit.fit_map(design, intensity, sigma=np.full((2, 1), 0.1))
     with pytest.raises(morpho_fit.DataError, match="sigma"):
@@ -133,6 +147,6 @@ except KeyboardInterrupt:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to oneself there")
 def test_ctrl_c_ends_a_map_and_says_nothing_else(data: Path) -> None:
-    arguments = [sys.executable, "-c", INTERRUPTED, data / "blue_morpho.csv"]
+    arguments: list[str | Path] = [sys.executable, "-c", INTERRUPTED, data / "blue_morpho.csv"]
     run = subprocess.run(arguments, capture_output=True, text=True, timeout=120, check=False)
     assert (run.stdout, run.stderr) == ("interrupted, and still here: determined\n", "")
