@@ -3,7 +3,7 @@
 //! In units of each parameter's range the covariance has principal directions; along each the parameters are known
 //! independently of all others. The optical sum of the layers is typically thirty times stiffer than their split.
 
-use crate::inversion::parameter::Parameter;
+use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::solution::Solution;
 use crate::uncertainty::identifiability::{Direction, Identifiability};
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,8 @@ fn is_thickness(parameter: Parameter) -> bool {
     matches!(parameter, Parameter::DAir | Parameter::DCuticle)
 }
 
-/// The directions of what was determined, the stiffest first; `analysis` is that of the solution's best minimum.
+/// The directions of what was determined, the stiffest first; `analysis` is that of the solution's best minimum. Left out is what
+/// moves by more than its standard deviation where a held parameter has another value that fits: it is not known so well.
 pub(crate) fn combinations(solution: &Solution, analysis: &Identifiability) -> Vec<Combination> {
     let space = &solution.space;
     let values = space.freedom.expand(&solution.best.parameters);
@@ -57,7 +58,17 @@ pub(crate) fn combinations(solution: &Solution, analysis: &Identifiability) -> V
         let sigma = direction.deviation / first.abs();
         let adds_up =
             parameters.iter().copied().all(is_thickness) && coefficients.iter().all(|coefficient| *coefficient > 0.0);
-        sigma.is_finite().then(|| Combination {
+        let along = |structure: &[f64; COUNT]| {
+            let moved =
+                |parameter: &Parameter| parameter.outside(structure[parameter.index()] - values[parameter.index()]);
+            parameters
+                .iter()
+                .zip(&coefficients)
+                .map(|(parameter, coefficient)| coefficient * moved(parameter))
+                .sum::<f64>()
+        };
+        let stays = solution.held.iter().flat_map(|held| &held.elsewhere).all(|there| along(there).abs() <= sigma);
+        (sigma.is_finite() && stays).then(|| Combination {
             names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
             coefficients,
             value,
