@@ -23,8 +23,8 @@ const GAP: f64 = 3.0;
 /// Rings of places tried around a point, and places in a ring.
 const RINGS: u32 = 12;
 const DIRECTIONS: u32 = 16;
-/// Of these, so many rings for a remark that hides no line: one farther off would be taken for another point's.
-const NEAR_RINGS: usize = 3;
+/// A remark goes no farther from its point to hide no line: there it would be taken for another point's.
+const NEAR: f64 = 60.0;
 
 /// Places close beside a point, in half widths and half heights.
 const BESIDE: [(f64, f64); 6] = [(1.0, -1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0)];
@@ -47,6 +47,12 @@ impl Block {
             && self.1 >= place.top + GAP
             && self.2 <= place.right - GAP
             && self.3 <= place.bottom - GAP
+    }
+
+    /// From its nearest edge; 0 inside.
+    fn distance(&self, (x, y): (f64, f64)) -> f64 {
+        let beyond = |low: f64, value: f64, high: f64| (low - value).max(value - high).max(0.0);
+        beyond(self.0, x, self.2).hypot(beyond(self.1, y, self.3))
     }
 
     /// Whether the straight line between two points passes through, by Liang and Barsky's clipping (doi:10.1145/357332.357333).
@@ -127,10 +133,9 @@ pub(super) fn paint(
         };
         let hides_none = |centre: &(f64, f64)| {
             let block = Block::around(*centre, half);
-            free(centre) && !pieces.iter().any(|piece| block.is_crossed(*piece))
+            block.distance(point) < NEAR && free(centre) && !pieces.iter().any(|piece| block.is_crossed(*piece))
         };
-        let near = BESIDE.len() + NEAR_RINGS * DIRECTIONS as usize;
-        let beside = candidates(point, half, is_badge).take(near).find(hides_none).filter(|_| !is_badge);
+        let beside = candidates(point, half, is_badge).filter(|_| !is_badge).find(hides_none);
         if let Some(centre) = beside.or_else(|| candidates(point, half, is_badge).find(free)) {
             taken.push(Block::around(centre, half));
             settled.push((label, point, centre, half, text));
@@ -184,6 +189,14 @@ fn candidates(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_distance_of_a_block_is_that_of_its_nearest_edge_or_corner() {
+        let block = Block(10.0, 20.0, 30.0, 40.0);
+        for (point, distance) in [((15.0, 25.0), 0.0), ((7.0, 30.0), 3.0), ((20.0, 45.0), 5.0), ((33.0, 16.0), 5.0)] {
+            assert!((block.distance(point) - distance).abs() < 1e-12, "{point:?}");
+        }
+    }
 
     #[test]
     fn a_line_crosses_what_it_passes_through() {
