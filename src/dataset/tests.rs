@@ -101,6 +101,29 @@ fn piece() -> impl Strategy<Value = &'static str> {
     ])
 }
 
+#[test]
+fn the_hash_of_values_is_of_their_numbers() {
+    // python3 -c "import hashlib, struct
+    // rows = [(450, 0, .5, 1, .25, .01, 0, 0), (460, 0, .5, 1, -.125, .02, 1, 1)]
+    // print(hashlib.sha256(b''.join(struct.pack('<8d', *row) for row in rows) + b'blue\nwing 2\n').hexdigest())"
+    let geometry = Geometry { theta: -0.0, phi: 0.5, omega: 1.0 };
+    let reading = |wavelength, intensity, sigma, polarization, curve| Reading {
+        wavelength,
+        geometry,
+        polarization,
+        intensity,
+        sigma: Some(sigma),
+        curve,
+        line: 0,
+    };
+    let readings = vec![
+        reading(450.0, 0.25, 0.01, Polarization::Unpolarized, 0),
+        reading(460.0, -0.125, 0.02, Polarization::S, 1),
+    ];
+    let dataset = Dataset::from_readings(readings, vec!["blue".to_owned(), "wing 2".to_owned()]).unwrap();
+    assert_eq!(dataset.sha256(), "d0ae9bfc6bafa2868bc1c75db5de749f79200ff6bb98bfb05be1691223a314b9");
+}
+
 fn record_name() -> impl Strategy<Value = String> {
     "[ -~é;,\"#]{1,12}".prop_filter("survives a file", |name| curve_name(name).is_ok())
 }

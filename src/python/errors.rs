@@ -82,14 +82,12 @@ pub(crate) fn defects(findings: &Findings) -> Vec<Defect> {
         let column = finding.column.as_ref().map(|column| column.name.clone()).or(missing);
         match finding.place {
             Some(Place::Reading(number)) => {
+                let message = finding.kind.to_string();
                 let message = match finding.kind {
-                    FindingKind::DuplicateReading { first: Place::Reading(first) } => {
-                        format!(
-                            "the same wavelength, angles, polarization and curve as row {}",
-                            first.saturating_sub(1)
-                        )
+                    FindingKind::DuplicateReading { first: first @ Place::Reading(number) } => {
+                        message.replace(&first.to_string(), &format!("row {}", number.saturating_sub(1)))
                     }
-                    _ => finding.kind.to_string(),
+                    _ => message,
                 };
                 let place = column.as_ref().map(|name| format!(", column `{name}`")).unwrap_or_default();
                 let row = number.saturating_sub(1);

@@ -18,8 +18,8 @@ use std::convert::Infallible;
 /// Fits every pixel of a map, on all threads; each to the same bits as fit() does.
 ///
 /// design says where each of n readings was measured: what fit() takes. Its intensity is not used, and a table may leave it out.
-/// intensity is an array [..., n] of any shape before the readings; what is NaN or masked was not measured. sigma is a number, an array that numpy broadcasts to it, or a column
-/// of design. settings as in fit().
+/// intensity is an array [..., n] of any shape before the readings; what is NaN or masked was not measured. sigma is a number, an
+/// array that numpy broadcasts to it, or a column of design. settings as in fit().
 ///
 /// Returns a dict of arrays [...] with the names of batch.csv, ready for a frame or for xarray: model, verdict, chi2, dof,
 /// sigma_source; d_air_nm, d_air_sigma_nm, d_air_status, d_air_low_95_nm, d_air_high_95_nm and so on for each quantity; warnings;
