@@ -153,6 +153,11 @@ impl LinearPart {
         Self { columns, targets, weight }
     }
 
+    /// Whether a background is fitted.
+    pub(crate) fn has_background(&self) -> bool {
+        self.targets.iter().any(|target| target.2.is_some())
+    }
+
     /// For each curve the first one that has the same columns.
     pub(crate) fn alike(&self) -> Vec<usize> {
         let first = |own: &(Target, Target, Option<usize>)| self.targets.iter().position(|other| other == own);

@@ -214,6 +214,9 @@ impl Freedom {
     /// All five values for the free ones.
     #[must_use]
     pub(crate) fn expand(&self, free: &DVector<f64>) -> [f64; COUNT] {
+        if let (true, Ok(all)) = (self.is_all_free(), free.as_slice().try_into()) {
+            return all;
+        }
         let mut all = self.offset;
         for (row, value) in all.iter_mut().enumerate() {
             for (column, free) in free.iter().enumerate() {

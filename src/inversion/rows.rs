@@ -209,32 +209,6 @@ impl Rows {
         multilayers(&mut parts.multilayer, weights, &self.layout.runs, [terms.stack, terms.lobe]);
     }
 
-    /// Model A, of these values at its nodes, at every reading, with its share of the plane, times its weight.
-    pub(crate) fn lamella(&self, nodes: &[f64], weights: &[f64]) -> Vec<f64> {
-        let mut values = vec![0.0; weights.len()];
-        lamellae(&mut values, weights, &self.layout.runs, nodes);
-        values
-    }
-
-    /// The same of Model B, of stack and lobe.
-    pub(crate) fn multilayer(&self, nodes: [&[f64]; 2], weights: &[f64]) -> Vec<f64> {
-        let mut values = vec![0.0; weights.len()];
-        multilayers(&mut values, weights, &self.layout.runs, nodes);
-        values
-    }
-
-    /// Neighbouring readings of one curve that see both models.
-    pub(crate) fn crossed(&self) -> Vec<(usize, Range<usize>)> {
-        let mut crossed: Vec<(usize, Range<usize>)> = Vec::new();
-        for run in self.layout.runs.iter().filter(|run| run.share_a > 0.0 && run.share_b > 0.0) {
-            match crossed.last_mut() {
-                Some((curve, rows)) if *curve == run.curve && rows.end == run.rows.start => rows.end = run.rows.end,
-                _ => crossed.push((run.curve, run.rows.clone())),
-            }
-        }
-        crossed
-    }
-
     /// Puts into `out`, whatever was there, the weighted derivatives of the readings of `block`, where its curve has these
     /// factors on the two models.
     pub(crate) fn slopes(

@@ -8,7 +8,7 @@ use crate::inversion::nuisance::LinearPart;
 use crate::inversion::parameter::{COUNT, Parameter, inside};
 use crate::inversion::plan::Plan;
 use crate::inversion::problem::Problem;
-use crate::inversion::screening::{OfPart, Screening};
+use crate::inversion::screening::{OfLobe, OfPart, OfStack, Screening};
 use crate::inversion::settings::FitSettings;
 use crate::inversion::space::Space;
 use crate::optimise::{Minimum, Tolerances, merge_equal, merge_near, multistart};
@@ -124,7 +124,14 @@ fn starts_from(thin: &Compiled<'_>, space: &Space, cells: &[Cell], effort: usize
     starts.extend(best.iter().take(effort * SWAPPED).filter_map(|cell| swap_partner(&cell.values, ratio, space)));
     starts.extend(best.iter().take(effort * MIRRORED).filter_map(|cell| mirrored(&cell.values, space)));
     starts.extend(space.bounds.latin_hypercube(effort * RANDOM, settings.seed));
-    starts
+    // The swap partner or mirror image of a cell may be another cell, or itself.
+    let mut met: Vec<DVector<f64>> = Vec::with_capacity(starts.len());
+    for start in starts {
+        if !met.contains(&start) {
+            met.push(start);
+        }
+    }
+    met
 }
 
 /// The user's start, completed by the middle of the bounds.
@@ -264,23 +271,24 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
         space.freedom.expand(&free)
     };
     let key = |value: f64| value.to_bits();
+    let screening = Screening::new(plan, linear);
     // Lobes and slits are the same in every cell, unless they are linked to a thickness: compute them once.
-    let mut lobes: FxHashMap<[u64; 3], Vec<f64>> = FxHashMap::default();
+    let mut lobes: FxHashMap<[u64; 3], OfLobe> = FxHashMap::default();
     let product = plan.is_product();
     let lobe_key = |delta, phi_alpha, width| [key(delta), key(phi_alpha), if product { key(width) } else { 0 }];
+    let lobe_of = |delta, phi_alpha, width| screening.lobe(&plan.lobe(delta, phi_alpha, width));
     let mut slits: FxHashMap<u64, Vec<f64>> = FxHashMap::default();
     for values in outers.iter().take(1).flat_map(|outer| inner.iter().map(|inner| full(outer, inner))) {
         let [.., delta, phi_alpha, width] = values;
-        lobes.entry(lobe_key(delta, phi_alpha, width)).or_insert_with(|| plan.lobe(delta, phi_alpha, width));
+        lobes.entry(lobe_key(delta, phi_alpha, width)).or_insert_with(|| lobe_of(delta, phi_alpha, width));
         slits.entry(key(values[4])).or_insert_with(|| plan.diffraction(values[4]));
     }
-    let screening = Screening::new(plan);
     let cell = |outer: &Vec<f64>| {
         let mut best = Cell { cost: f64::INFINITY, values: [f64::NAN; COUNT] };
         let (mut equations, mut products) = (linear.no_equations(), Vec::new());
         let mut interference: Option<(u64, Vec<f64>)> = None;
         // A thickness may be linked to an inner parameter: it is a part of the keys.
-        let mut stacks: FxHashMap<[u64; 3], Vec<f64>> = FxHashMap::default();
+        let mut stacks: FxHashMap<[u64; 3], OfStack> = FxHashMap::default();
         let mut lamellae: FxHashMap<[u64; 2], OfPart> = FxHashMap::default();
         let mut multilayers: FxHashMap<([u64; 2], [u64; 3]), OfPart> = FxHashMap::default();
         let mut free = DVector::zeros(space.freedom.free.len());
@@ -292,39 +300,41 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
             if !inside(&values) {
                 continue;
             }
-            let period = d_air + d_cuticle;
-            let interference = match &mut interference {
-                Some((known, values)) if *known == key(period) => &*values,
-                other => &other.insert((key(period), plan.interference(period))).1,
-            };
             let [air, cuticle] = [d_air, d_cuticle].map(key);
-            // Of a product the tilt moves the lobe alone.
-            let tilt = if product { 0 } else { key(delta) };
-            let stack = stacks.entry([air, cuticle, tilt]).or_insert_with(|| plan.stack(d_air, d_cuticle, delta));
-            let own_lobe;
-            let lobe_key = lobe_key(delta, phi_alpha, lamella_width);
-            let lobe = match lobes.get(&lobe_key) {
-                Some(lobe) => lobe,
-                None => {
-                    own_lobe = plan.lobe(delta, phi_alpha, lamella_width);
-                    &own_lobe
-                }
-            };
-            let own_slit;
-            let diffraction = match slits.get(&key(lamella_width)) {
-                Some(slit) => slit,
-                None => {
-                    own_slit = plan.diffraction(lamella_width);
-                    &own_slit
-                }
-            };
-            let lamella = lamellae.entry([period, lamella_width].map(key)).or_insert_with(|| {
+            let lamella = lamellae.entry([d_air + d_cuticle, lamella_width].map(key)).or_insert_with(|| {
+                let period = d_air + d_cuticle;
+                let interference = match &mut interference {
+                    Some((known, values)) if *known == key(period) => &*values,
+                    other => &other.insert((key(period), plan.interference(period))).1,
+                };
+                let own_slit;
+                let diffraction = match slits.get(&key(lamella_width)) {
+                    Some(slit) => slit,
+                    None => {
+                        own_slit = plan.diffraction(lamella_width);
+                        &own_slit
+                    }
+                };
                 let product: Vec<f64> =
                     interference.iter().zip(diffraction).map(|(array, slit)| array * slit).collect();
                 screening.lamella(&product)
             });
-            let multilayer =
-                multilayers.entry(([air, cuticle], lobe_key)).or_insert_with(|| screening.multilayer([stack, lobe]));
+            let lobe_key = lobe_key(delta, phi_alpha, lamella_width);
+            let multilayer = multilayers.entry(([air, cuticle], lobe_key)).or_insert_with(|| {
+                // Of a product the tilt moves the lobe alone.
+                let tilt = if product { 0 } else { key(delta) };
+                let stack = || screening.stack(&plan.stack(d_air, d_cuticle, delta));
+                let stack = stacks.entry([air, cuticle, tilt]).or_insert_with(stack);
+                let own_lobe;
+                let lobe = match lobes.get(&lobe_key) {
+                    Some(lobe) => lobe,
+                    None => {
+                        own_lobe = lobe_of(delta, phi_alpha, lamella_width);
+                        &own_lobe
+                    }
+                };
+                screening.multilayer(stack, lobe)
+            });
             equations.clear();
             screening.join(lamella, multilayer, &mut products, |curve, sums| linear.add(&mut equations, curve, sums));
             let cost = equations.best_sum_of_squares();

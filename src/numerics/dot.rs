@@ -32,6 +32,23 @@ fn of_equal(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
+/// `sum_i p_i x_i²` and `sum_i q_i x_i`; all as long as the first.
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2"))]
+pub(crate) fn square_and_product(x: &[f64], [p, q]: [&[f64]; 2]) -> (f64, f64) {
+    let (whole, rest) = x.as_chunks::<LANES>();
+    let [(p, p_rest), (q, q_rest)] = [p, q].map(|list| list[..x.len()].as_chunks::<LANES>());
+    let (mut squares, mut products) = ([0.0; LANES], [0.0; LANES]);
+    for ((x, p), q) in whole.iter().zip(p).zip(q) {
+        for lane in 0..LANES {
+            squares[lane] += p[lane] * x[lane] * x[lane];
+            products[lane] += q[lane] * x[lane];
+        }
+    }
+    let square: f64 = rest.iter().zip(p_rest).map(|(x, p)| p * x * x).sum();
+    let product: f64 = rest.iter().zip(q_rest).map(|(x, q)| q * x).sum();
+    (squares.iter().sum::<f64>() + square, products.iter().sum::<f64>() + product)
+}
+
 /// Terms of nine sums that are added up side by side: with more, the sums leave the registers of AVX2.
 const FEW: usize = 4;
 
@@ -109,6 +126,19 @@ mod tests {
                     assert!((fast[j][k] - expected).abs() < 1e-12 && (plain[j][k] - expected).abs() < 1e-12);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn squares_and_products_are_those_of_their_weights() {
+        for length in [0_u32, 1, 15, 16, 17, 100] {
+            let x: Vec<f64> = (0..length).map(f64::from).collect();
+            let (halves, twos) = (vec![0.5; x.len()], vec![2.0; x.len()]);
+            let (square, product) = square_and_product(&x, [&halves, &twos]);
+            // 0 + 1 + ... + (n - 1), and their squares
+            let n = f64::from(length);
+            assert!((square - 0.5 * (n - 1.0) * n * (2.0 * n - 1.0) / 6.0).abs() < 1e-9);
+            assert!((product - n * (n - 1.0)).abs() < 1e-9);
         }
     }
 

@@ -14,7 +14,7 @@ const FLAT: f64 = 1e-9;
 
 /// A neighbour is lower if its sum of squares is, by this share.
 const LOWER: f64 = 1e-9;
-/// A last escape that gains less than this share of the sum of squares has gained nothing: a thousandth of what one standard
+/// An escape that gains less than this share of the sum of squares has gained nothing and is the last: a thousandth of what one standard
 /// deviation changes, with ten thousand readings.
 const NOTHING: f64 = 1e-7;
 /// Distances of neighbours in units of the parameters' scales.
@@ -72,7 +72,6 @@ impl Minimum {
 /// ```
 pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tolerances: Tolerances) -> Minimum {
     let mut found = descend(problem, start, tolerances);
-    let mut last = f64::INFINITY;
     for _ in 0..tolerances.escapes {
         if found.termination != Termination::Stalled {
             break;
@@ -82,14 +81,13 @@ pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tol
                 let (spent, before) = (found.evaluations, found.sum_of_squares());
                 found = descend(problem, &neighbour, tolerances);
                 found.evaluations += spent;
-                last = (before - found.sum_of_squares()) / before;
+                // Along the edge of a kink the way down has no end that a step could find: in the end what it gains is nothing.
+                if found.termination == Termination::Stalled && before - found.sum_of_squares() <= NOTHING * before {
+                    found.termination = Termination::Kink;
+                }
             }
             None => found.termination = Termination::Kink,
         }
-    }
-    // Along the edge of a kink the way down has no end that a step could find: in the end what it gains is nothing.
-    if found.termination == Termination::Stalled && last <= NOTHING {
-        found.termination = Termination::Kink;
     }
     if found.termination.was_successful() && is_flat(problem, &found) {
         found.termination = Termination::Flat;
