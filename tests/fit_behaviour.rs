@@ -1,5 +1,6 @@
 //! What a fit says when the data cannot tell, when they are bad, and when its settings are unusual.
 
+use approx::assert_relative_eq;
 use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::inversion::{
     Extent, Fit, FitError, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search, SigmaSource, Status, Verdict,
@@ -291,6 +292,13 @@ fn tilt_and_lobe_that_do_as_one_widen_the_intervals_of_the_layers() {
         // With the tilt held the stiffest would be known to 0.02 %.
         let known = found.identifiability.combinations.iter().filter_map(|combination| combination.relative);
         assert!(known.fold(f64::INFINITY, f64::min) > 1e-3, "{:?}", found.identifiability.combinations);
+        // The covariance goes with the standard deviations, those of the layers and that of their sum.
+        let place = |name: &str| found.covariance.names.iter().position(|known| known == name).unwrap();
+        let [air, cuticle] = ["d_air", "d_cuticle"].map(place);
+        let of = |i: usize, j: usize| found.covariance.rows[i][j];
+        let by_covariance = (of(air, air) + 2.0 * 1.56 * of(air, cuticle) + 1.56 * 1.56 * of(cuticle, cuticle)).sqrt();
+        assert_relative_eq!(of(air, air).sqrt(), found.parameters.d_air.sigma.unwrap(), max_relative = 1e-9);
+        assert_relative_eq!(by_covariance, found.derived.optical_sum.sigma.unwrap(), max_relative = 0.1);
         let [low, high] = found.derived.optical_sum.interval_95.unwrap();
         held += usize::from(low.is_none_or(|low| low <= sum) && high.is_none_or(|high| sum <= high));
     }

@@ -366,9 +366,6 @@ fn roles(settings: &mut FitSettings, args: &ParameterArgs) -> Result<(), Usage> 
         }
         settings.start[parameter.index()] = Some(value);
     }
-    if Parameter::ALL.iter().all(|parameter| !matches!(settings.roles[parameter.index()], Role::Free { .. })) {
-        return Err(Usage("no parameter is free; there is nothing to fit".to_owned()));
-    }
     Ok(())
 }
 

@@ -152,6 +152,9 @@ pub struct BatchCounts {
     pub no_thickness: usize,
     /// No minimum was found.
     pub not_converged: usize,
+    /// Nothing was free.
+    #[serde(default)]
+    pub given: usize,
     /// Data that cannot be used, or a fit that could not begin.
     pub errors: usize,
     /// The model misses the data, however it ended.
@@ -171,6 +174,7 @@ impl BatchCounts {
                 Some(Verdict::PartlyDetermined) => &mut counts.partly_determined,
                 Some(Verdict::NoThickness) => &mut counts.no_thickness,
                 Some(Verdict::NotConverged) => &mut counts.not_converged,
+                Some(Verdict::Given) => &mut counts.given,
             };
             *count += 1;
             counts.missed += usize::from(row.fit.as_ref().is_some_and(BatchFit::misses));

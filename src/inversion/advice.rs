@@ -199,7 +199,7 @@ pub(crate) fn is_good(outcome: &FitOutcome) -> bool {
         };
         estimate.status.is_determined() && sigma <= wanted(value, upper - lower)
     };
-    outcome.verdict == Verdict::Determined && outcome.parameters.each().into_iter().all(good)
+    matches!(outcome.verdict, Verdict::Determined | Verdict::Given) && outcome.parameters.each().into_iter().all(good)
 }
 
 /// Whether the fit tells anything to plan with.

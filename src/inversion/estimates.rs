@@ -2,7 +2,7 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
-use crate::inversion::elsewhere::elsewhere;
+use crate::inversion::elsewhere::{as_good, elsewhere};
 use crate::inversion::intervals::Quantiles;
 use crate::inversion::nuisance::{Column, LinearPart, Multiplies};
 use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, SigmaSource, Status};
@@ -17,7 +17,7 @@ use crate::inversion::undetermined::Held;
 use crate::optimise::Minimum;
 use crate::uncertainty::covariance::{correlation, covariance};
 use crate::uncertainty::discrepancy::Spread;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// A correlation beyond this is a status of its own.
 const CORRELATED: f64 = 0.99;
@@ -233,7 +233,7 @@ impl Uncertainty {
         estimate.widened_by = self.widened_by(&gradient, variance);
         self.finish(&mut estimate, variance.map(|variance| parameter.outside(variance.sqrt())));
         if estimate.status == Status::Ok {
-            estimate.with = self.correlated_with(parameter);
+            estimate.with = self.correlated_with(found, parameter);
             if !estimate.with.is_empty() {
                 estimate.status = Status::Correlated;
             }
@@ -243,8 +243,8 @@ impl Uncertainty {
     }
 
     /// Names of the parameters whose correlation with `parameter` is beyond [`CORRELATED`].
-    fn correlated_with(&self, parameter: Parameter) -> Vec<String> {
-        let (Some(matrix), Some(row)) = (self.total(), self.inner.iter().position(|p| *p == parameter)) else {
+    fn correlated_with(&self, found: &Found<'_>, parameter: Parameter) -> Vec<String> {
+        let (Some(matrix), Some(row)) = (self.with_held(found), self.inner.iter().position(|p| *p == parameter)) else {
             return Vec::new();
         };
         let correlation = correlation(&matrix);
@@ -310,13 +310,60 @@ impl Uncertainty {
         Derived { period: of(Quantity::Period), optical_sum: of(Quantity::OpticalSum { gap, cuticle }) }
     }
 
-    /// Covariance and correlation, user units; empty where they do not exist.
-    pub(crate) fn named_matrices(&self, found: &Found<'_>) -> (NamedMatrix, NamedMatrix) {
-        let Some(matrix) = self.total() else { return Default::default() };
+    /// The way to that one of `others` which is the most standard deviations off, spread evenly, as a part of a covariance like
+    /// `matrix`.
+    fn spread_evenly(&self, found: &Found<'_>, others: &[[f64; COUNT]], matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        let here = found.space.freedom.expand(&found.best.parameters);
+        // What is not told apart from a held parameter has no deviation that could be widened.
+        let is_told = |j: usize| found.held.iter().all(|held| held.step(found.searched)[j].abs() <= 0.0);
+        let moved = |there: &[f64; COUNT]| {
+            DVector::from_fn(matrix.nrows(), |row, _| match self.inner.get(row).map(|parameter| parameter.index()) {
+                Some(j) if is_told(j) => there[j] - here[j],
+                _ => 0.0,
+            })
+        };
+        let none = DMatrix::zeros(matrix.nrows(), matrix.ncols());
+        if others.is_empty() {
+            return none;
+        }
+        let Some(factors) = Cholesky::new(matrix.clone()) else { return none };
+        let deviations = |moved: &DVector<f64>| moved.dot(&factors.solve(moved));
+        let farthest = others.iter().map(moved).max_by(|a, b| deviations(a).total_cmp(&deviations(b)));
+        farthest.map_or(none, |moved| &moved * moved.transpose() / 3.0)
+    }
+
+    /// The covariance with what the model's misses and the held parameters add to it.
+    fn with_held(&self, found: &Found<'_>) -> Option<DMatrix<f64>> {
+        let total = self.total()?;
+        let parts = found.held.iter().map(|held| self.spread_evenly(found, &held.elsewhere, &total));
+        Some(parts.fold(total.clone(), |sum, part| sum + part))
+    }
+
+    /// Covariance and correlation, user units, whose diagonal is that of the standard deviations in `estimates`; empty where they
+    /// do not exist.
+    pub(crate) fn named_matrices(
+        &self,
+        found: &Found<'_>,
+        estimates: &[Estimate; COUNT],
+    ) -> (NamedMatrix, NamedMatrix) {
+        let Some(matrix) = self.with_held(found) else { return Default::default() };
+        // Other structures that fit are nearby in all but the ambiguous parameters, whose deviation they do not widen.
+        let here = found.space.freedom.expand(&found.best.parameters);
+        let nearby = |other: &Minimum| {
+            let there = found.searched.freedom.expand(&other.parameters);
+            std::array::from_fn(|j| if estimates[j].status.is_determined() { there[j] } else { here[j] })
+        };
+        let nearby: Vec<[f64; COUNT]> = as_good(found, self.unit).map(nearby).collect();
+        let matrix = &matrix + self.spread_evenly(found, &nearby, &matrix);
         let names: Vec<String> = (self.inner.iter().map(|parameter| parameter.name().to_owned()))
             .chain(self.columns.iter().map(|&i| column_name(&found.linear.columns[i], found.data)))
             .collect();
-        let factor = |j: usize| self.inner.get(j).map_or(1.0, |parameter| parameter.outside(1.0));
+        let factor = |j: usize| {
+            let Some(parameter) = self.inner.get(j) else { return 1.0 };
+            let own = parameter.outside(matrix[(j, j)].sqrt());
+            let told = estimates[parameter.index()].sigma.filter(|sigma| (sigma / own - 1.0).abs() > ROUNDING);
+            parameter.outside(told.map_or(1.0, |sigma| sigma / own))
+        };
         let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| factor(i) * factor(j) * matrix[(i, j)]);
         let named = |matrix: &DMatrix<f64>| NamedMatrix { names: names.clone(), rows: rows(matrix) };
         (named(&scaled), named(&correlation(&scaled)))

@@ -31,12 +31,17 @@ pub enum FitError {
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     /// Too little data.
-    #[error("{readings} readings cannot determine {unknowns} unknowns (free parameters, scale, weight, background)")]
+    #[error(
+        "{readings} readings cannot determine {unknowns} unknowns ({parameters} free parameters, the others scales or \
+         backgrounds): it takes {} at least, or fewer unknowns", unknowns + 1
+    )]
     TooFewReadings {
         /// Readings in the data.
         readings: usize,
-        /// Unknowns of the fit.
+        /// Unknowns of the fit: free parameters, scales, weights, backgrounds.
         unknowns: usize,
+        /// Free parameters among them.
+        parameters: usize,
     },
     /// A point of another dimension than the problem.
     #[error("{found} values are given, but {expected} parameters are free")]
@@ -158,9 +163,10 @@ pub(crate) fn fit_compiled(
 ) -> Result<Fit, FitError> {
     let (data, settings) = (compiled.data, compiled.settings);
     let searched = Space::new(&settings.roles)?;
-    let (readings, unknowns) = (compiled.plan.len(), searched.freedom.free.len() + compiled.linear.columns.len());
+    let (readings, parameters) = (compiled.plan.len(), searched.freedom.free.len());
+    let unknowns = parameters + compiled.linear.columns.len();
     if readings <= unknowns {
-        return Err(FitError::TooFewReadings { readings, unknowns });
+        return Err(FitError::TooFewReadings { readings, unknowns, parameters });
     }
     let mut minima = search::minima(compiled, thin, &searched, progress);
     let (robust, robust_unit) = if settings.loss == Loss::Linear {

@@ -69,8 +69,8 @@ pub struct Estimate {
     pub value: Option<f64>,
     /// nm, deg or rad.
     pub unit: String,
-    /// Standard deviation; `None` where it means nothing. More than that of the covariance where held parameters or another
-    /// structure nearby, which fits as well, leave more room.
+    /// Standard deviation; `None` where it means nothing. Held parameters and other structures nearby, which fit as well, have their
+    /// part in it.
     pub sigma: Option<f64>,
     /// Factor in `sigma` for how far the answer moves as parts of the data are left out; none unless the model misses them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -268,6 +268,8 @@ pub enum Verdict {
     NoThickness,
     /// No minimum was found.
     NotConverged,
+    /// Nothing was free: the structure is that which was given.
+    Given,
 }
 
 /// The result of a fit.

@@ -116,7 +116,9 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         listed(found.minima, found.searched, unit, found.settings.level, indices(found.data, &found.settings.stack));
     let mut warnings = Vec::new();
     if by_chance {
-        warnings.push(if found.settings.search == Search::Local {
+        warnings.push(if verdict == Verdict::Given {
+            "the given structure explains nothing of the data: a constant fits as well".to_owned()
+        } else if found.settings.search == Search::Local {
             "the minimum next to the start explains nothing of the data: give a better start, or search everywhere"
                 .to_owned()
         } else {
@@ -138,7 +140,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
             None => missed.then(|| (reduced.sqrt(), None)),
         };
         let correlation = structured.then_some(correlation_of_residuals.value);
-        warnings.push(wording::missed(times, correlation, bent, widened_by));
+        let widened = (verdict != Verdict::Given).then_some((bent, widened_by));
+        warnings.push(wording::missed(times, correlation, widened));
     }
     if missed || by_chance {
         warnings.extend(warnings::outlier(found, &readings, chi2));
@@ -150,7 +153,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         warnings.extend(warnings::bounds(found, &estimates));
         warnings.extend(warnings::others(found, &estimates, unit));
     }
-    let (covariance, correlation) = uncertainty.named_matrices(found);
+    let (covariance, correlation) = uncertainty.named_matrices(found, &estimates);
     let (aicc, bic) = criteria(found.data.has_sigma(), chi2, found.plan.len(), unknowns);
     let [d_air, d_cuticle, delta, phi_alpha, lamella_width] = estimates;
     let outcome = FitOutcome {
@@ -275,6 +278,9 @@ fn criteria(has_sigma: bool, chi2: f64, readings: usize, unknowns: usize) -> (Op
 }
 
 fn verdict(found: &Found<'_>, estimates: &[Estimate; COUNT], derived: &Derived) -> Verdict {
+    if found.searched.freedom.free.is_empty() {
+        return Verdict::Given;
+    }
     if !found.best.termination.was_successful() {
         return Verdict::NotConverged;
     }

@@ -14,16 +14,22 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
             format!("{parameter} cannot be told: in these data it acts as a scale does")
         }
         [(parameter, _)] if held.deviation.is_infinite() && !held.elsewhere.is_empty() => format!(
-            "{parameter} cannot be told: the data are even in it; what it may be within its bounds is in the intervals of \
-             the others"
+            "{parameter} cannot be told: other values of it fit as well; the intervals of the others allow for all within its \
+             bounds"
         ),
         [(parameter, _)] if held.deviation.is_infinite() => {
             format!("{parameter} cannot be told: nothing in the data depends on it")
         }
-        [(parameter, _)] => format!(
-            "{parameter} cannot be told: the noise hides it (its standard deviation would be {:.0} % of its bounds)",
-            100.0 * held.deviation.min(99.99)
-        ),
+        [(parameter, _)] => {
+            let times = if held.deviation < 10.0 {
+                format!("{:.0} % of", 100.0 * held.deviation)
+            } else {
+                "more than ten times".to_owned()
+            };
+            format!(
+                "{parameter} cannot be told: the noise hides it (its standard deviation would be {times} its bounds)"
+            )
+        }
         [first, second] => {
             let (first, second) = if first.0 < second.0 { (first, second) } else { (second, first) };
             format!(
@@ -38,12 +44,12 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
 }
 
 /// The sentence of a model that misses the data, by `times` the stated noise (of one curve, if it is named) or with a
-/// `correlation` of neighbouring residuals; `bent` if the residuals are no noise.
+/// `correlation` of neighbouring residuals; `widened` by how much the standard deviations are, and whether the residuals are no
+/// noise, unless nothing was free.
 pub(crate) fn missed(
     times: Option<(f64, Option<&String>)>,
     correlation: Option<f64>,
-    bent: bool,
-    widened_by: f64,
+    widened: Option<(bool, f64)>,
 ) -> String {
     let by = times.map_or_else(String::new, |(times, curve)| {
         let place = curve.map(|curve| format!(" in curve {curve}")).unwrap_or_default();
@@ -52,6 +58,12 @@ pub(crate) fn missed(
     let agree = correlation.map(|correlation| {
         format!(": neighbouring residuals agree (correlation {correlation:.2}), which noise does not make")
     });
+    let agree = agree.unwrap_or_default();
+    let Some((bent, widened_by)) = widened else {
+        return format!(
+            "the given structure misses the data{by}{agree}; leave a thickness free to see what the data ask for"
+        );
+    };
     let how = if bent {
         // Residuals that look like noise may be noise that was stated too small.
         let guess = if correlation.is_none() && times.is_some() {
@@ -68,7 +80,7 @@ pub(crate) fn missed(
          stated sigma is too small)"
             .to_owned()
     };
-    format!("the model misses the data{by}{}; {how}", agree.unwrap_or_default())
+    format!("the model misses the data{by}{agree}; {how}")
 }
 
 /// The combination of two parameters that a step along the undetermined direction leaves alone.

@@ -145,7 +145,7 @@ impl FitResult {
 
 #[pymethods]
 impl FitResult {
-    /// "determined", "partly_determined", "no_thickness" or "not_converged".
+    /// "determined", "partly_determined", "no_thickness", "not_converged" or "given" (nothing was free).
     #[getter]
     fn verdict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.serialised(py, &self.fit.outcome.verdict)

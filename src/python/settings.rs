@@ -172,8 +172,5 @@ fn roles(settings: &mut FitSettings, keywords: &mut Keywords<'_>) -> PyResult<()
         }
         settings.start[parameter.index()] = Some(parameter.inside(finite("start", value)?));
     }
-    if Parameter::ALL.iter().all(|parameter| !matches!(settings.roles[parameter.index()], Role::Free { .. })) {
-        return Err(unfit("no parameter is free; there is nothing to fit"));
-    }
     Ok(())
 }

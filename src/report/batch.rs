@@ -27,6 +27,7 @@ pub fn summary(counts: &BatchCounts) -> String {
         (counts.partly_determined, "in part"),
         (counts.no_thickness, "without a thickness"),
         (counts.not_converged, "without a minimum"),
+        (counts.given, "given"),
         (counts.errors, "with an error"),
     ];
     let parts: Vec<String> =
@@ -82,6 +83,7 @@ fn cells(row: &BatchRow) -> Vec<String> {
                 Verdict::PartlyDetermined => "in part",
                 Verdict::NoThickness => "no thickness",
                 Verdict::NotConverged => "no minimum",
+                Verdict::Given => "given",
             };
             cells.push(if fit.misses() { format!("{verdict}; the model misses") } else { verdict.to_owned() });
         }

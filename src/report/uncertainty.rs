@@ -16,6 +16,9 @@ pub(super) const COLUMNS: [(&str, Align); 6] = [
     ("", Align::Left),
 ];
 
+/// How many times as many evaluations are proposed where those allowed did not do.
+const MORE: usize = 4;
+
 /// A sentence below the table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Remark {
@@ -105,12 +108,13 @@ pub(super) fn remarks(found: &UncertaintyFound) -> Vec<Remark> {
         let number = |value: Option<f64>| value.map_or_else(|| "unknown".to_owned(), plain);
         let (r_hat, effective) = (number(posterior.r_hat), number(posterior.effective));
         let evaluations = posterior.evaluations;
+        let more = MORE * evaluations.max(1);
         if posterior.samples == 0 {
-            say(&format!("the posterior has no samples after {evaluations} evaluations; give more --max-evaluations"));
+            say(&format!("the posterior has no samples after {evaluations} evaluations; try --max-evaluations {more}"));
         } else if !posterior.converged {
             say(&format!(
-                "the posterior is not sampled enough: split-R̂ {r_hat}, {effective} effective samples; give more \
-                 --max-evaluations"
+                "the posterior is not sampled enough: split-R̂ {r_hat}, {effective} effective samples; try \
+                 --max-evaluations {more}"
             ));
         }
         if posterior.samples > 0 {

@@ -21,6 +21,10 @@ pub fn verdict(outcome: &FitOutcome) -> String {
             format!("{missed}a minimum was found, but it determines no thickness, not even their sum")
         }
         Verdict::NotConverged => format!("no minimum was found: {}", outcome.termination.phrase()),
+        Verdict::Given => {
+            let how = if missed.is_empty() { "fits" } else { "misses" };
+            format!("nothing was free: the given structure {how} the data")
+        }
     }
 }
 
@@ -118,7 +122,9 @@ pub fn meaning(status: Status) -> &'static str {
         Status::Fixed | Status::Linked => "as the settings say",
         Status::AtBound => "the best value lies on a bound: the data ask for more than the bounds allow",
         Status::OneSided => "told on one side: the interval reaches a bound and is open there",
-        Status::Correlated => "determined, but almost only together with another: quote both, or the sum",
+        Status::Correlated => {
+            "determined, but almost only together with another: quote both with their correlation, or a sum that is known better"
+        }
         Status::Ambiguous => {
             "another structure with another value fits as well; the interval, if there is one, spans them all"
         }

@@ -125,9 +125,8 @@ def test_what_cannot_be_a_map_is_refused(design: pandas.DataFrame) -> None:
         morpho_fit.fit_map(design, intensity, intensity_column="counts")  # type: ignore[call-arg]
     with pytest.raises(TypeError, match="advise"):
         morpho_fit.fit_map(design, intensity, advise=False)  # type: ignore[call-arg]
-    with pytest.raises(morpho_fit.FitError, match="nothing to fit"):
-        all_fixed = {"d_air": 141, "d_cuticle": 62, "delta": 2.5, "phi_alpha": 0.5, "lamella_width": 300}
-        morpho_fit.fit_map(design, intensity, fix=all_fixed)
+    with pytest.raises(morpho_fit.FitError, match="not free; leave its start out"):
+        morpho_fit.fit_map(design, intensity, fix={"d_air": 141}, start={"d_air": 150})
 
 
 INTERRUPTED = """

@@ -127,16 +127,17 @@ pub(crate) struct AverageArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Parameters (d_air nm, d_cuticle nm, delta deg, phi_alpha rad, lamella_width or a nm)")]
 pub(crate) struct ParameterArgs {
-    /// Hold a parameter at a known value: `--fix d_cuticle=62`. May be repeated.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = values::fixed)]
+    /// Hold a parameter at a known value: `--fix d_cuticle=62`. May be repeated, or given as a list with commas. With all five
+    /// held nothing is fitted but scales: the report tells how well that structure describes the data.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = values::fixed, value_delimiter = ',')]
     pub(crate) fix: Vec<Given>,
-    /// Search between two values: `--bounds d_air=50:250`. May be repeated. Defaults: d_air and d_cuticle 20:300 nm,
+    /// Search between two values: `--bounds d_air=50:250`. May be repeated, or a list. Defaults: d_air and d_cuticle 20:300 nm,
     /// delta -10:10 deg, phi_alpha 0.1:1.2 rad, lamella_width 100:600 nm.
-    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = values::bounds)]
+    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = values::bounds, value_delimiter = ',')]
     pub(crate) bounds: Vec<Given>,
-    /// Begin the search there too: `--start d_air=140`. May be repeated. Where none is given the middle of the bounds
+    /// Begin the search there too: `--start d_air=140`. May be repeated, or a list. Where none is given the middle of the bounds
     /// stands in.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = values::assignment)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = values::assignment, value_delimiter = ',')]
     pub(crate) start: Vec<Assignment>,
     /// Let a parameter follow another, in their own units: `--link d_cuticle=235-d_air`. May be repeated.
     #[arg(long, value_name = "NAME=FACTOR*OTHER+CONSTANT", value_parser = values::link)]

@@ -19,6 +19,8 @@ pub(super) fn header(outcome: &FitOutcome, file: &str) -> String {
     let (class, mark, word) = match (outcome.verdict, misses) {
         (Verdict::NotConverged, _) => ("none", CROSS, "No result"),
         (Verdict::NoThickness, _) => ("none", CROSS, "No thickness"),
+        (Verdict::Given, true) => ("none", CROSS, "Given, and misses the data"),
+        (Verdict::Given, false) => ("good", TICK, "Given"),
         (_, true) => ("part", SIGN, "With care: the model misses the data"),
         (Verdict::Determined, false) => ("good", TICK, "Determined"),
         (Verdict::PartlyDetermined, false) => ("part", HALF, "Determined in part"),
