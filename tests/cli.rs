@@ -124,7 +124,7 @@ fn too_few_readings_are_a_fault_of_the_data_for_each_command() {
     for command in ["fit", "check", "sample", "profile", "bootstrap"] {
         let ended = run_with(&folder, &[command, "few.csv"]);
         assert_eq!(ended.code, 3, "{command}: {}", ended.err);
-        assert!(ended.err.contains("few.csv: 2 readings cannot determine 6 unknowns"), "{command}: {}", ended.err);
+        assert!(ended.err.contains("few.csv: too few readings, 2, for the unknowns, 6"), "{command}: {}", ended.err);
     }
 }
 

@@ -31,6 +31,8 @@ PIXELS = 200
 # Evaluations an MLSL search may take, as it has no rule to end by. Of 600 searches (20 cases, 30 random first points) the
 # slowest came to chi-squared <= 1.05 times that of the truth after 1248.
 MLSL_EVALUATIONS = 2000
+# The same without derivatives: the slowest of 600 came there after 10,823, with BOBYQA to 1e-6 (to 1e-4 five in a hundred never).
+MLSL_WITHOUT_DERIVATIVES = 17_000
 
 
 # --- W1 ----------------------------------------------------------------------------------------------------------------
@@ -102,8 +104,8 @@ def stack_contests(folder, path):
 class Minpack:
     """MINPACK's lmder on the compiled residuals. Each evaluation makes the derivatives too, which lmder asks for next."""
 
-    def __init__(self, design, sin_cos=sin_cos):
-        self.fill = model.compiled_residuals(design, sin_cos)
+    def __init__(self, design, sin_cos=sin_cos, each=False):
+        self.fill = model.compiled_residuals(design, sin_cos, each)
         self.residuals, self.jacobian = np.empty(design.size), np.empty((PARAMETERS, design.size))
         self.x = np.full(PARAMETERS, np.nan)
 
@@ -140,10 +142,11 @@ def read_w2(folder):
 def fit_contests(folder, path):
     workload, design, data, start = read_w2(folder)
     sigma, minpack, marquardt = workload["sigma"], Minpack(design), model.compiled_marquardt(design)
-    plain = Minpack(design, library_sin_cos)
+    plain, each = Minpack(design, library_sin_cos), Minpack(design, library_sin_cos, True)
+    assert np.allclose(model.intensities_each(design, start), model.intensities(design, start), rtol=0, atol=1e-13)
 
-    def trust_region():
-        residuals = lambda x: (model.intensities(design, x) - data) / sigma
+    def trust_region(intensities):
+        residuals = lambda x: (intensities(design, x) - data) / sigma
         return least_squares(residuals, start, bounds=(design.lower, design.upper), x_scale="jac").x
 
     def judge(ours, _, run):
@@ -155,10 +158,12 @@ def fit_contests(folder, path):
         f"W2 {variant}",
         {
             "this crate": program(path, folder / "w2.json", "w2", variant, lambda line, _: (1, np.array(line["x"]))),
+            "MINPACK, numba reading by reading with Jacobian": short(1, lambda: each.fit(data, sigma, start)),
             "MINPACK, numba with Jacobian, math.sin": short(1, lambda: plain.fit(data, sigma, start)),
             "MINPACK, numba with Jacobian, vector sine": short(1, lambda: minpack.fit(data, sigma, start)),
             "Marquardt, all in numba": short(1, lambda: marquardt(start, data, sigma)),
-            "scipy TRF, numpy, differences": short(1, trust_region),
+            "scipy TRF, numpy reading by reading, differences": short(1, lambda: trust_region(model.intensities_each)),
+            "scipy TRF, numpy, differences": short(1, lambda: trust_region(model.intensities)),
         },
         "ms a fit",
         lambda rate: f"{1e3 / rate:.3g}",
@@ -172,7 +177,7 @@ def pixel_contests(folder, path):
     noise = np.loadtxt(folder / workload["noise"])
     design, start = Design(workload), np.array(workload["start_all"])
     minpack, marquardt, sets = Minpack(design), model.compiled_marquardt(design), []
-    plain = Minpack(design, library_sin_cos)
+    plain, each = Minpack(design, library_sin_cos), Minpack(design, library_sin_cos, True)
     for pixel, truth in enumerate(truths):
         clean = model.intensities(design, truth)
         sigma = 0.01 * clean.max()
@@ -195,6 +200,7 @@ def pixel_contests(folder, path):
         f"W5 {PIXELS} pixels",
         {
             "this crate": program(path, folder / "w5.json", "w5", str(PIXELS), lambda line, _: (PIXELS, line["right"])),
+            "MINPACK, numba reading by reading with Jacobian": batch(lambda data, sigma: each.fit(data, sigma, start)),
             "MINPACK, numba with Jacobian, math.sin": batch(lambda data, sigma: plain.fit(data, sigma, start)),
             "MINPACK, numba with Jacobian, vector sine": batch(lambda data, sigma: minpack.fit(data, sigma, start)),
             "Marquardt, all in numba": batch(lambda data, sigma: marquardt(start, data, sigma)),
@@ -212,10 +218,14 @@ def global_contests(name, folder, path):
     workload = json.loads((folder / f"{name}.json").read_text())
     columns = np.loadtxt(folder / f"{name}_data.csv", delimiter=",", skiprows=1).T.copy()
     design, cases = Design(workload), workload["cases"]
-    chi2, span = model.compiled_slopes_of_chi2(design, "scale" in workload), design.upper - design.lower
+    scaled, span = "scale" in workload, design.upper - design.lower
     accepted = np.array([SUCCESS * case["chi2_truth"] for case in cases])
+    factored = model.compiled_slopes_of_chi2(design, scaled)
+    slopes_each = model.compiled_slopes_of_chi2(design, scaled, library_sin_cos, True)
+    each = model.compiled_chi2(design, scaled, library_sin_cos, True)
+    without_slopes = lambda x, data, sigma, _: each(x, data, sigma)
 
-    def search(data, sigma, algorithm, local, told):
+    def search(chi2, data, sigma, optimisers, tolerance, evaluations, told):
         """MLSL in the unit cube; `told` is the chi-squared at which it may stop, unknown to a user."""
         scratch = np.empty(PARAMETERS)
 
@@ -225,38 +235,40 @@ def global_contests(name, folder, path):
                 gradient[:] = scratch * span
             return value
 
-        inner, outer = nlopt.opt(local, PARAMETERS), nlopt.opt(algorithm, PARAMETERS)
-        inner.set_ftol_rel(1e-3)
+        outer, inner = (nlopt.opt(optimiser, PARAMETERS) for optimiser in optimisers)
+        inner.set_ftol_rel(tolerance)
         outer.set_local_optimizer(inner)
         outer.set_min_objective(objective)
         outer.set_lower_bounds(np.zeros(PARAMETERS))
         outer.set_upper_bounds(np.ones(PARAMETERS))
-        outer.set_maxeval(MLSL_EVALUATIONS)
+        outer.set_maxeval(evaluations)
         if told is not None:
             outer.set_stopval(told)
         outer.optimize(np.full(PARAMETERS, 0.5))
         return outer.last_optimum_value()
 
-    def all_cases(algorithm, local, told):
+    def all_cases(chi2, optimisers, tolerance, evaluations, told=False):
         def run():
-            sets = [(data, case["sigma"], limit) for data, case, limit in zip(columns, cases, accepted)]
-            work = lambda: [search(y, sigma, algorithm, local, limit if told else None) for y, sigma, limit in sets]
+            sets = [(data, case["sigma"], limit if told else None) for data, case, limit in zip(columns, cases, accepted)]
+            work = lambda: [search(chi2, y, sigma, optimisers, tolerance, evaluations, limit) for y, sigma, limit in sets]
             seconds, cpu, found = timed(work)
             return Run(len(cases), seconds, cpu, np.array(found))
 
         return run
 
     read = lambda line, _: (len(cases), np.array(line["chi2"]))
-    chi2(np.array(cases[0]["truth"]), columns[0], 1.0, np.empty(PARAMETERS))
-    lbfgs = (nlopt.GD_MLSL_LDS, nlopt.LD_LBFGS)
-    bobyqa = (nlopt.GN_MLSL_LDS, nlopt.LN_BOBYQA)
+    for chi2 in (factored, slopes_each, without_slopes):
+        chi2(np.array(cases[0]["truth"]), columns[0], 1.0, np.empty(PARAMETERS))
+    lbfgs = (nlopt.GD_MLSL_LDS, nlopt.LD_LBFGS), 1e-3, MLSL_EVALUATIONS
+    bobyqa = (nlopt.GN_MLSL_LDS, nlopt.LN_BOBYQA), 1e-6, MLSL_WITHOUT_DERIVATIVES
     yield Contest(
         name.upper().replace("B", "b"),
         {
             "this crate": program(path, folder / f"{name}.json", name, "", read, True),
-            f"MLSL, L-BFGS, {MLSL_EVALUATIONS} evaluations": all_cases(*lbfgs, False),
-            "MLSL, L-BFGS, told when to stop": all_cases(*lbfgs, True),
-            f"MLSL, BOBYQA, {MLSL_EVALUATIONS} evaluations": all_cases(*bobyqa, False),
+            f"MLSL, BOBYQA, {bobyqa[2]} evaluations, reading by reading": all_cases(without_slopes, *bobyqa),
+            f"MLSL, L-BFGS, {lbfgs[2]} evaluations, reading by reading": all_cases(slopes_each, *lbfgs),
+            f"MLSL, L-BFGS, {lbfgs[2]} evaluations": all_cases(factored, *lbfgs),
+            "MLSL, L-BFGS, told when to stop": all_cases(factored, *lbfgs, told=True),
         },
         "ms a fit",
         lambda rate: f"{1e3 / rate:.3g}",

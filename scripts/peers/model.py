@@ -10,6 +10,7 @@ lamella width a nm, in this order:
     I       = lamella cos^2 omega + stack lobe sin^2 omega
 
 theta is one angle, so the stack depends on the wavelength alone. An array of intensities is [omega][wavelength][phi].
+Beside it the same with each reading by itself, as one first writes it.
 """
 
 import math
@@ -40,32 +41,51 @@ class Design:
         self.half_ku = np.outer(self.k, np.sin(self.theta) + np.sin(self.phi)) / 2
         self.lower, self.upper = (np.array(workload["bounds"][end], float) for end in ("lower", "upper"))
         self.size = omega.size * self.k.size * self.phi.size
+        # k, phi and the shares of lamellae and stack of each reading
+        shape = omega.size, self.k.size, self.phi.size
+        columns = self.k[:, None], self.phi, self.lamella_share[:, None, None], self.stack_share[:, None, None]
+        self.readings = np.array([np.broadcast_to(column, shape).ravel() for column in columns])
 
 
-def intensities(design, x):
-    """The model in numpy, [omega][wavelength][phi] in one line."""
+def factors_of(design, x, k, phi, half_kv, half_ku):
+    """Lamellae, stack and lobe in numpy, of arrays that go together."""
     d_air, d_cuticle, delta, phi_alpha, a = x
-    h = design.half_kv * (d_air + d_cuticle)
+    h = half_kv * (d_air + d_cuticle)
     sine = np.sin(h)
     flat = np.abs(sine) < 1e-9
     comb = np.where(flat, 1.0, np.sin(design.periods * h) / np.where(flat, 1.0, design.periods * sine))
-    slit = np.sinc(design.half_ku * (a / np.pi))
+    slit = np.sinc(half_ku * (a / np.pi))
     lamella = (a / design.a_ref * np.cos(design.theta) * comb * slit) ** 2
     angle = design.theta - delta * RADIANS
     indices = design.n_air, design.n_cuticle, design.n_base
     cosines = [np.sqrt(1 - (np.sin(angle) / n) ** 2) for n in indices]
-    phases = [design.k * (n * d * c) for n, d, c in zip(indices, (d_air, d_cuticle), cosines)]
-    reflectivity = closed_form(
-        [(n * c + n / c) / 2 for n, c in zip(indices, cosines)], products(*phases), design.periods
-    )
-    off = np.abs(design.phi - 2 * delta * RADIANS + design.theta)
-    lobe = np.where(off < phi_alpha, np.cos(np.pi / 2 * off / phi_alpha), 0.0)
-    stack = reflectivity[:, None] * lobe
-    return (np.multiply.outer(design.lamella_share, lamella) + np.multiply.outer(design.stack_share, stack)).ravel()
+    phases = [k * (n * d * c) for n, d, c in zip(indices, (d_air, d_cuticle), cosines)]
+    stack = closed_form([(n * c + n / c) / 2 for n, c in zip(indices, cosines)], products(*phases), design.periods)
+    off = np.abs(phi - 2 * delta * RADIANS + design.theta)
+    return lamella, stack, np.where(off < phi_alpha, np.cos(np.pi / 2 * off / phi_alpha), 0.0)
 
 
-def compiled_model(design, sin_cos=sin_cos):
-    """The model compiled for a design: fill(x, out) and fill_slopes(x, out, jacobian), jacobian [parameter][reading]."""
+def intensities(design, x):
+    """The model in numpy, [omega][wavelength][phi] in one line."""
+    lamella, stack, lobe = factors_of(design, x, design.k, design.phi, design.half_kv, design.half_ku)
+    shares = np.multiply.outer(design.lamella_share, lamella)
+    return (shares + np.multiply.outer(design.stack_share, stack[:, None] * lobe)).ravel()
+
+
+def intensities_each(design, x):
+    """The same with all readings in one list, each computed by itself."""
+    k, phi, lamella_share, stack_share = design.readings
+    half_kv = k * (np.cos(design.theta) + np.cos(phi)) / 2
+    half_ku = k * (np.sin(design.theta) + np.sin(phi)) / 2
+    lamella, stack, lobe = factors_of(design, x, k, phi, half_kv, half_ku)
+    return lamella_share * lamella + stack_share * stack * lobe
+
+
+def compiled_model(design, sin_cos=sin_cos, each=False):
+    """The model compiled for a design: fill(x, out) and fill_slopes(x, out, jacobian), jacobian [parameter][reading].
+
+    `each`: each reading by itself.
+    """
     n_air, n_cuticle, n_base = design.n_air, design.n_cuticle, design.n_base
     periods, a_ref, theta, k, phi = design.periods, design.a_ref, design.theta, design.k, design.phi
     lamella_share, stack_share = design.lamella_share, design.stack_share
@@ -86,6 +106,104 @@ def compiled_model(design, sin_cos=sin_cos):
         return by_angle, 0.5 * n * (1.0 - 1.0 / cosine**2) * by_angle
 
     @inlined
+    def lamella_value(half_kv, half_ku, period, a):
+        _, cosine = sin_cos(half_kv * period)
+        comb, _ = power(2.0 * cosine)
+        s = half_ku * a
+        sine, _ = sin_cos(s)
+        slit = 1.0 if s == 0.0 else sine / (s if s != 0.0 else 1.0)
+        amplitude = a / a_ref * cos_theta / periods * comb * slit
+        return amplitude * amplitude
+
+    @inlined
+    def media_values(angle):
+        """Cosines of air and cuticle, and the factors of the admittances."""
+        c_air, y_air = medium(n_air, angle)
+        c_cuticle, y_cuticle = medium(n_cuticle, angle)
+        _, y_base = medium(n_base, angle)
+        return (c_air, c_cuticle), factors(y_air, y_cuticle, y_base)
+
+    @inlined
+    def stack_value(k, d_air, d_cuticle, media):
+        (c_air, c_cuticle), y = media
+        sin_air, cos_air = sin_cos(k * n_air * d_air * c_air)
+        sin_cut, cos_cut = sin_cos(k * n_cuticle * d_cuticle * c_cuticle)
+        return reflectivity(y, cos_cut * cos_air, sin_cut * sin_air, sin_cut * cos_air, cos_cut * sin_air)
+
+    @inlined
+    def lobe_value(phi, delta, phi_alpha):
+        off = abs(phi - 2.0 * delta + theta)
+        _, cosine = sin_cos(0.5 * math.pi * off / phi_alpha)
+        return cosine if off < phi_alpha else 0.0
+
+    @inlined
+    def lamella_slopes(half_kv, half_ku, period, a):
+        """Lamellae: value, by the period, by the width."""
+        peak = a / a_ref * cos_theta / periods
+        sin_h, cos_h = sin_cos(half_kv * period)
+        comb, _, by_trace, _ = power_slopes(2.0 * cos_h)
+        s = half_ku * a
+        sine, cosine = sin_cos(s)
+        inverse = 0.0 if s == 0.0 else 1.0 / (s if s != 0.0 else 1.0)
+        slit = 1.0 if s == 0.0 else sine * inverse
+        amplitude = peak * comb * slit
+        by_period = -4.0 * amplitude * peak * slit * by_trace * sin_h * half_kv
+        # d(a slit)/da = cos s, as a slit = sin(s) 2 / (k u)
+        return amplitude * amplitude, by_period, 2.0 * amplitude * peak * comb * (cosine if s != 0.0 else 1.0) / a
+
+    @inlined
+    def media_slopes(angle):
+        """Cosines of air and cuticle and the factors of the admittances at an angle, and all of them by the angle."""
+        c_air, y_air = medium(n_air, angle)
+        c_cuticle, y_cuticle = medium(n_cuticle, angle)
+        c_base, y_base = medium(n_base, angle)
+        dc_air, dy_air = medium_slopes(n_air, angle, c_air)
+        dc_cuticle, dy_cuticle = medium_slopes(n_cuticle, angle, c_cuticle)
+        _, dy_base = medium_slopes(n_base, angle, c_base)
+        slopes = factor_slopes(y_air, y_cuticle, y_base, dy_air, dy_cuticle, dy_base)
+        return (c_air, c_cuticle, dc_air, dc_cuticle), factors(y_air, y_cuticle, y_base), slopes
+
+    @inlined
+    def stack_slopes(k, d_air, d_cuticle, media):
+        """Stack: value, by both thicknesses, by the angle."""
+        (c_air, c_cuticle, dc_air, dc_cuticle), y, slopes = media
+        spread, step, back, side, through = y
+        d_spread, d_step, d_back, d_side, d_through = slopes
+        sin_air, cos_air = sin_cos(k * n_air * d_air * c_air)
+        sin_cut, cos_cut = sin_cos(k * n_cuticle * d_cuticle * c_cuticle)
+        cc, ss, sc, cs = cos_cut * cos_air, sin_cut * sin_air, sin_cut * cos_air, cos_cut * sin_air
+        u, v, du, dv = power_slopes(2.0 * cc - spread * ss)
+        beside_u, imaginary_u = step * cc - back * ss, side * sc - step * cs
+        real, imaginary = u * beside_u - v * step, u * imaginary_u
+        lost = real * real + imaginary * imaginary
+        # by the phase of air, by that of cuticle, by the admittances: change of trace, then of lost
+        trace = -2.0 * cs - spread * sc
+        real_slope = (du * beside_u - dv * step) * trace - u * (step * cs + back * sc)
+        by_phase_air = real * real_slope + imaginary * (du * imaginary_u * trace - u * (side * ss + step * cc))
+        trace = -2.0 * sc - spread * cs
+        real_slope = (du * beside_u - dv * step) * trace - u * (step * sc + back * cs)
+        by_phase_cuticle = real * real_slope + imaginary * (du * imaginary_u * trace + u * (side * cc + step * ss))
+        trace = -d_spread * ss
+        real_slope = (du * beside_u - dv * step) * trace + u * (d_step * cc - d_back * ss) - v * d_step
+        imaginary_slope = du * imaginary_u * trace + u * (d_side * sc - d_step * cs)
+        by_admittance = real * real_slope + imaginary * imaginary_slope
+        scale = 2.0 * through / (lost + through) ** 2
+        by_path = k * (by_phase_air * n_air * d_air * dc_air + by_phase_cuticle * n_cuticle * d_cuticle * dc_cuticle)
+        by_angle = scale * (by_path + by_admittance - 0.5 * lost * d_through / through)
+        by_air, by_cuticle = by_phase_air * n_air * c_air, by_phase_cuticle * n_cuticle * c_cuticle
+        return lost / (lost + through), scale * by_air * k, scale * by_cuticle * k, by_angle
+
+    @inlined
+    def lobe_slopes(phi, delta, phi_alpha):
+        """Lobe: value, by delta in degrees, by phi_alpha."""
+        signed = phi - 2.0 * delta + theta
+        off = abs(signed)
+        sine, cosine = sin_cos(0.5 * math.pi * off / phi_alpha)
+        inside = 1.0 if off < phi_alpha else 0.0
+        by_delta = inside * sine * math.pi / phi_alpha * (1.0 if signed > 0.0 else -1.0) * RADIANS
+        return inside * cosine, by_delta, inside * sine * 0.5 * math.pi * off / phi_alpha**2
+
+    @inlined
     def blend(lamella, stack, lobe, out):
         at = 0
         for o in range(lamella_share.size):
@@ -99,98 +217,28 @@ def compiled_model(design, sin_cos=sin_cos):
     def fill(x, out):
         d_air, d_cuticle, delta, phi_alpha, a = x[0], x[1], x[2] * RADIANS, x[3], x[4]
         lamella, stack, lobe = np.empty(half_kv.size), np.empty(k.size), np.empty(phi.size)
-        peak = a / a_ref * cos_theta / periods
         for i in range(half_kv.size):
-            _, cosine = sin_cos(half_kv[i] * (d_air + d_cuticle))
-            comb, _ = power(2.0 * cosine)
-            s = half_ku[i] * a
-            sine, _ = sin_cos(s)
-            slit = 1.0 if s == 0.0 else sine / (s if s != 0.0 else 1.0)
-            amplitude = peak * comb * slit
-            lamella[i] = amplitude * amplitude
-        angle = theta - delta
-        c_air, y_air = medium(n_air, angle)
-        c_cuticle, y_cuticle = medium(n_cuticle, angle)
-        _, y_base = medium(n_base, angle)
-        y = factors(y_air, y_cuticle, y_base)
+            lamella[i] = lamella_value(half_kv[i], half_ku[i], d_air + d_cuticle, a)
+        media = media_values(theta - delta)
         for i in range(k.size):
-            sin_air, cos_air = sin_cos(k[i] * n_air * d_air * c_air)
-            sin_cut, cos_cut = sin_cos(k[i] * n_cuticle * d_cuticle * c_cuticle)
-            stack[i] = reflectivity(y, cos_cut * cos_air, sin_cut * sin_air, sin_cut * cos_air, cos_cut * sin_air)
+            stack[i] = stack_value(k[i], d_air, d_cuticle, media)
         for j in range(phi.size):
-            off = abs(phi[j] - 2.0 * delta + theta)
-            _, cosine = sin_cos(0.5 * math.pi * off / phi_alpha)
-            lobe[j] = cosine if off < phi_alpha else 0.0
+            lobe[j] = lobe_value(phi[j], delta, phi_alpha)
         blend(lamella, stack, lobe, out)
 
     @compiled
     def fill_slopes(x, out, jacobian):
         d_air, d_cuticle, delta, phi_alpha, a = x[0], x[1], x[2] * RADIANS, x[3], x[4]
-        # lamellae: value, by the period, by the width
         lamella, by_period, by_width = np.empty(half_kv.size), np.empty(half_kv.size), np.empty(half_kv.size)
-        peak = a / a_ref * cos_theta / periods
         for i in range(half_kv.size):
-            sin_h, cos_h = sin_cos(half_kv[i] * (d_air + d_cuticle))
-            comb, _, by_trace, _ = power_slopes(2.0 * cos_h)
-            s = half_ku[i] * a
-            sine, cosine = sin_cos(s)
-            inverse = 0.0 if s == 0.0 else 1.0 / (s if s != 0.0 else 1.0)
-            slit = 1.0 if s == 0.0 else sine * inverse
-            amplitude = peak * comb * slit
-            lamella[i] = amplitude * amplitude
-            by_period[i] = -4.0 * amplitude * peak * slit * by_trace * sin_h * half_kv[i]
-            # d(a slit)/da = cos s, as a slit = sin(s) 2 / (k u)
-            by_width[i] = 2.0 * amplitude * peak * comb * (cosine if s != 0.0 else 1.0) / a
-        # stack: value, by both thicknesses, by the angle
+            lamella[i], by_period[i], by_width[i] = lamella_slopes(half_kv[i], half_ku[i], d_air + d_cuticle, a)
         stack, by_air, by_cuticle, by_angle = np.empty(k.size), np.empty(k.size), np.empty(k.size), np.empty(k.size)
-        angle = theta - delta
-        c_air, y_air = medium(n_air, angle)
-        c_cuticle, y_cuticle = medium(n_cuticle, angle)
-        c_base, y_base = medium(n_base, angle)
-        dc_air, dy_air = medium_slopes(n_air, angle, c_air)
-        dc_cuticle, dy_cuticle = medium_slopes(n_cuticle, angle, c_cuticle)
-        _, dy_base = medium_slopes(n_base, angle, c_base)
-        spread, step, back, side, through = factors(y_air, y_cuticle, y_base)
-        d_spread, d_step, d_back, d_side, d_through = factor_slopes(
-            y_air, y_cuticle, y_base, dy_air, dy_cuticle, dy_base
-        )
+        media = media_slopes(theta - delta)
         for i in range(k.size):
-            sin_air, cos_air = sin_cos(k[i] * n_air * d_air * c_air)
-            sin_cut, cos_cut = sin_cos(k[i] * n_cuticle * d_cuticle * c_cuticle)
-            cc, ss, sc, cs = cos_cut * cos_air, sin_cut * sin_air, sin_cut * cos_air, cos_cut * sin_air
-            u, v, du, dv = power_slopes(2.0 * cc - spread * ss)
-            beside_u, imaginary_u = step * cc - back * ss, side * sc - step * cs
-            real, imaginary = u * beside_u - v * step, u * imaginary_u
-            lost = real * real + imaginary * imaginary
-            stack[i] = lost / (lost + through)
-            # by the phase of air, by that of cuticle, by the admittances: change of trace, then of lost
-            trace = -2.0 * cs - spread * sc
-            real_slope = (du * beside_u - dv * step) * trace - u * (step * cs + back * sc)
-            by_phase_air = real * real_slope + imaginary * (du * imaginary_u * trace - u * (side * ss + step * cc))
-            trace = -2.0 * sc - spread * cs
-            real_slope = (du * beside_u - dv * step) * trace - u * (step * sc + back * cs)
-            by_phase_cuticle = real * real_slope + imaginary * (du * imaginary_u * trace + u * (side * cc + step * ss))
-            trace = -d_spread * ss
-            real_slope = (du * beside_u - dv * step) * trace + u * (d_step * cc - d_back * ss) - v * d_step
-            imaginary_slope = du * imaginary_u * trace + u * (d_side * sc - d_step * cs)
-            by_admittance = real * real_slope + imaginary * imaginary_slope
-            scale = 2.0 * through / (lost + through) ** 2
-            by_air[i] = scale * by_phase_air * k[i] * n_air * c_air
-            by_cuticle[i] = scale * by_phase_cuticle * k[i] * n_cuticle * c_cuticle
-            by_path = k[i] * (
-                by_phase_air * n_air * d_air * dc_air + by_phase_cuticle * n_cuticle * d_cuticle * dc_cuticle
-            )
-            by_angle[i] = scale * (by_path + by_admittance - 0.5 * lost * d_through / through)
-        # lobe: value, by delta, by phi_alpha
+            stack[i], by_air[i], by_cuticle[i], by_angle[i] = stack_slopes(k[i], d_air, d_cuticle, media)
         lobe, by_delta, by_breadth = np.empty(phi.size), np.empty(phi.size), np.empty(phi.size)
         for j in range(phi.size):
-            signed = phi[j] - 2.0 * delta + theta
-            off = abs(signed)
-            sine, cosine = sin_cos(0.5 * math.pi * off / phi_alpha)
-            inside = 1.0 if off < phi_alpha else 0.0
-            lobe[j] = inside * cosine
-            by_delta[j] = inside * sine * math.pi / phi_alpha * (1.0 if signed > 0.0 else -1.0) * RADIANS
-            by_breadth[j] = inside * sine * 0.5 * math.pi * off / phi_alpha**2
+            lobe[j], by_delta[j], by_breadth[j] = lobe_slopes(phi[j], delta, phi_alpha)
         at = 0
         for o in range(lamella_share.size):
             share, rest = lamella_share[o], stack_share[o]
@@ -213,7 +261,40 @@ def compiled_model(design, sin_cos=sin_cos):
                     jacobian[4, at + j] = share * by_width[first + j]
                 at += phi.size
 
-    return fill, fill_slopes
+    readings = design.readings
+
+    @inlined
+    def halves(k, phi):
+        """k v / 2 and k u / 2."""
+        return 0.5 * k * (cos_theta + math.cos(phi)), 0.5 * k * (math.sin(theta) + math.sin(phi))
+
+    @compiled
+    def fill_each(x, out):
+        d_air, d_cuticle, delta, phi_alpha, a = x[0], x[1], x[2] * RADIANS, x[3], x[4]
+        for i in range(out.size):
+            k_of, phi_of, share, rest = readings[0, i], readings[1, i], readings[2, i], readings[3, i]
+            kv, ku = halves(k_of, phi_of)
+            stack = stack_value(k_of, d_air, d_cuticle, media_values(theta - delta))
+            multilayer = stack * lobe_value(phi_of, delta, phi_alpha)
+            out[i] = share * lamella_value(kv, ku, d_air + d_cuticle, a) + rest * multilayer
+
+    @compiled
+    def fill_slopes_each(x, out, jacobian):
+        d_air, d_cuticle, delta, phi_alpha, a = x[0], x[1], x[2] * RADIANS, x[3], x[4]
+        for i in range(out.size):
+            k_of, phi_of, share, rest = readings[0, i], readings[1, i], readings[2, i], readings[3, i]
+            kv, ku = halves(k_of, phi_of)
+            lamella, by_period, by_width = lamella_slopes(kv, ku, d_air + d_cuticle, a)
+            stack, by_air, by_cuticle, by_angle = stack_slopes(k_of, d_air, d_cuticle, media_slopes(theta - delta))
+            lobe, by_delta, by_breadth = lobe_slopes(phi_of, delta, phi_alpha)
+            out[i] = share * lamella + rest * stack * lobe
+            jacobian[0, i] = share * by_period + rest * by_air * lobe
+            jacobian[1, i] = share * by_period + rest * by_cuticle * lobe
+            jacobian[2, i] = rest * (stack * by_delta - RADIANS * by_angle * lobe)
+            jacobian[3, i] = rest * stack * by_breadth
+            jacobian[4, i] = share * by_width
+
+    return (fill_each, fill_slopes_each) if each else (fill, fill_slopes)
 
 
 @summing
@@ -224,9 +305,12 @@ def dot(a, b):
     return total
 
 
-def compiled_residuals(design, sin_cos=sin_cos):
-    """Compiled (model - data) / sigma with its derivatives: fill(x, data, sigma, residuals, jacobian)."""
-    _, fill_slopes = compiled_model(design, sin_cos)
+def compiled_residuals(design, sin_cos=sin_cos, each=False):
+    """Compiled (model - data) / sigma with its derivatives: fill(x, data, sigma, residuals, jacobian).
+
+    `each`: each reading by itself.
+    """
+    _, fill_slopes = compiled_model(design, sin_cos, each)
 
     @compiled
     def fill(x, data, sigma, residuals, jacobian):
@@ -284,9 +368,9 @@ def compiled_marquardt(design):
     return fit
 
 
-def compiled_chi2(design):
-    """Compiled chi-squared: f(x, data, sigma), infinity outside the bounds."""
-    fill, _ = compiled_model(design)
+def compiled_chi2(design, scaled=False, sin_cos=sin_cos, each=False):
+    """Compiled chi-squared, if scaled at the best scale s = y.f / f.f: f(x, data, sigma), infinity outside the bounds."""
+    fill, _ = compiled_model(design, sin_cos, each)
     lower, upper, size = design.lower, design.upper, design.size
 
     @compiled
@@ -296,16 +380,20 @@ def compiled_chi2(design):
                 return np.inf
         model = np.empty(size)
         fill(x, model)
+        scale = dot(data, model) / dot(model, model) if scaled else 1.0
         for i in range(size):
-            model[i] = (model[i] - data[i]) / sigma
+            model[i] = (scale * model[i] - data[i]) / sigma
         return dot(model, model)
 
     return chi2
 
 
-def compiled_slopes_of_chi2(design, scaled):
-    """Compiled chi-squared, if scaled at the best scale s = y.f / f.f, and its gradient: f(x, data, sigma, gradient)."""
-    _, fill_slopes = compiled_model(design)
+def compiled_slopes_of_chi2(design, scaled, sin_cos=sin_cos, each=False):
+    """Compiled chi-squared, if scaled at the best scale s = y.f / f.f, and its gradient: f(x, data, sigma, gradient).
+
+    `each`: each reading by itself.
+    """
+    _, fill_slopes = compiled_model(design, sin_cos, each)
     size = design.size
 
     @compiled

@@ -2,7 +2,7 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
-use crate::inversion::elsewhere::{as_good, elsewhere};
+use crate::inversion::elsewhere::elsewhere;
 use crate::inversion::intervals::Quantiles;
 use crate::inversion::nuisance::{Column, LinearPart, Multiplies};
 use crate::inversion::outcome::{Derived, Estimate, NamedMatrix, NuisanceFound, SigmaSource, Status};
@@ -77,6 +77,8 @@ pub(crate) struct Uncertainty {
     matrix: Option<DMatrix<f64>>,
     /// What the model's misses add to it.
     spread: Option<Spread>,
+    /// The covariance with what misses and held parameters add to it.
+    common: Option<DMatrix<f64>>,
     columns: Vec<usize>,
     pub(crate) quantiles: Quantiles,
     /// Standard deviation of a weighted residual.
@@ -130,6 +132,7 @@ impl Uncertainty {
             inner: moved.iter().map(|&j| free[j]).collect(),
             matrix,
             spread: None,
+            common: None,
             columns: in_use.to_vec(),
             quantiles: Quantiles::new(source, dof),
             unit,
@@ -154,13 +157,36 @@ impl Uncertainty {
         if count > 0.0 { f64::exp(logarithms / count) } else { 1.0 }
     }
 
-    /// The covariance with what the model's misses add to it.
-    fn total(&self) -> Option<DMatrix<f64>> {
-        let matrix = self.matrix.as_ref()?;
-        let Some(spread) = &self.spread else { return Some(matrix.clone()) };
-        let chosen = self.inner.iter().map(|parameter| parameter.index());
-        let chosen: Vec<usize> = chosen.chain((0..self.columns.len()).map(|c| COUNT + c)).collect();
-        Some(matrix + spread.of(&chosen))
+    /// Makes the covariance that the estimates have in common, of the covariance at the best point, what the model's misses add, and
+    /// what moves along each held parameter: the way to the one of its other values that is the most standard deviations off, spread
+    /// evenly. Once, after [`Uncertainty::widen`].
+    pub(crate) fn settle(&mut self, found: &Found<'_>) {
+        let Some(matrix) = &self.matrix else { return };
+        let mut common = matrix.clone();
+        if let Some(spread) = &self.spread {
+            let chosen = self.inner.iter().map(|parameter| parameter.index());
+            common += spread.of(&chosen.chain((0..self.columns.len()).map(|c| COUNT + c)).collect::<Vec<usize>>());
+        }
+        let here = found.space.freedom.expand(&found.best.parameters);
+        // What is not told apart from a held parameter has no deviation that could be widened.
+        let steps: Vec<[f64; COUNT]> = found.held.iter().map(|held| held.step(found.searched)).collect();
+        let is_told: [bool; COUNT] = std::array::from_fn(|j| steps.iter().all(|step| step[j].abs() <= 0.0));
+        let moved = |there: &[f64; COUNT]| {
+            DVector::from_fn(matrix.nrows(), |row, _| match self.inner.get(row).map(|parameter| parameter.index()) {
+                Some(j) if is_told[j] => there[j] - here[j],
+                _ => 0.0,
+            })
+        };
+        if let Some(factors) = Cholesky::new(common.clone()) {
+            let deviations = |moved: &DVector<f64>| moved.dot(&factors.solve(moved));
+            for held in found.held {
+                let others = held.elsewhere.iter().map(moved);
+                if let Some(farthest) = others.max_by(|a, b| deviations(a).total_cmp(&deviations(b))) {
+                    common += &farthest * farthest.transpose() / 3.0;
+                }
+            }
+        }
+        self.common = Some(common);
     }
 
     /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds; `None` if it depends on
@@ -233,7 +259,7 @@ impl Uncertainty {
         estimate.widened_by = self.widened_by(&gradient, variance);
         self.finish(&mut estimate, variance.map(|variance| parameter.outside(variance.sqrt())));
         if estimate.status == Status::Ok {
-            estimate.with = self.correlated_with(found, parameter);
+            estimate.with = self.correlated_with(parameter);
             if !estimate.with.is_empty() {
                 estimate.status = Status::Correlated;
             }
@@ -243,11 +269,11 @@ impl Uncertainty {
     }
 
     /// Names of the parameters whose correlation with `parameter` is beyond [`CORRELATED`].
-    fn correlated_with(&self, found: &Found<'_>, parameter: Parameter) -> Vec<String> {
-        let (Some(matrix), Some(row)) = (self.with_held(found), self.inner.iter().position(|p| *p == parameter)) else {
+    fn correlated_with(&self, parameter: Parameter) -> Vec<String> {
+        let (Some(matrix), Some(row)) = (&self.common, self.inner.iter().position(|p| *p == parameter)) else {
             return Vec::new();
         };
-        let correlation = correlation(&matrix);
+        let correlation = correlation(matrix);
         let close = |&(column, other): &(usize, &Parameter)| {
             column != row && *other != parameter && correlation[(row, column)].abs() > CORRELATED
         };
@@ -310,59 +336,24 @@ impl Uncertainty {
         Derived { period: of(Quantity::Period), optical_sum: of(Quantity::OpticalSum { gap, cuticle }) }
     }
 
-    /// The way to that one of `others` which is the most standard deviations off, spread evenly, as a part of a covariance like
-    /// `matrix`.
-    fn spread_evenly(&self, found: &Found<'_>, others: &[[f64; COUNT]], matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        let here = found.space.freedom.expand(&found.best.parameters);
-        // What is not told apart from a held parameter has no deviation that could be widened.
-        let is_told = |j: usize| found.held.iter().all(|held| held.step(found.searched)[j].abs() <= 0.0);
-        let moved = |there: &[f64; COUNT]| {
-            DVector::from_fn(matrix.nrows(), |row, _| match self.inner.get(row).map(|parameter| parameter.index()) {
-                Some(j) if is_told(j) => there[j] - here[j],
-                _ => 0.0,
-            })
-        };
-        let none = DMatrix::zeros(matrix.nrows(), matrix.ncols());
-        if others.is_empty() {
-            return none;
-        }
-        let Some(factors) = Cholesky::new(matrix.clone()) else { return none };
-        let deviations = |moved: &DVector<f64>| moved.dot(&factors.solve(moved));
-        let farthest = others.iter().map(moved).max_by(|a, b| deviations(a).total_cmp(&deviations(b)));
-        farthest.map_or(none, |moved| &moved * moved.transpose() / 3.0)
-    }
-
-    /// The covariance with what the model's misses and the held parameters add to it.
-    fn with_held(&self, found: &Found<'_>) -> Option<DMatrix<f64>> {
-        let total = self.total()?;
-        let parts = found.held.iter().map(|held| self.spread_evenly(found, &held.elsewhere, &total));
-        Some(parts.fold(total.clone(), |sum, part| sum + part))
-    }
-
-    /// Covariance and correlation, user units, whose diagonal is that of the standard deviations in `estimates`; empty where they
-    /// do not exist.
+    /// Covariance and correlation, user units, whose diagonal is that of the standard deviations in `estimates` that there are; empty
+    /// where they do not exist.
     pub(crate) fn named_matrices(
         &self,
         found: &Found<'_>,
         estimates: &[Estimate; COUNT],
     ) -> (NamedMatrix, NamedMatrix) {
-        let Some(matrix) = self.with_held(found) else { return Default::default() };
-        // Other structures that fit are nearby in all but the ambiguous parameters, whose deviation they do not widen.
-        let here = found.space.freedom.expand(&found.best.parameters);
-        let nearby = |other: &Minimum| {
-            let there = found.searched.freedom.expand(&other.parameters);
-            std::array::from_fn(|j| if estimates[j].status.is_determined() { there[j] } else { here[j] })
-        };
-        let nearby: Vec<[f64; COUNT]> = as_good(found, self.unit).map(nearby).collect();
-        let matrix = &matrix + self.spread_evenly(found, &nearby, &matrix);
+        let Some(matrix) = &self.common else { return Default::default() };
         let names: Vec<String> = (self.inner.iter().map(|parameter| parameter.name().to_owned()))
             .chain(self.columns.iter().map(|&i| column_name(&found.linear.columns[i], found.data)))
             .collect();
+        // Structures nearby that fit as well widen a deviation further; how they move together is not told.
         let factor = |j: usize| {
             let Some(parameter) = self.inner.get(j) else { return 1.0 };
             let own = parameter.outside(matrix[(j, j)].sqrt());
-            let told = estimates[parameter.index()].sigma.filter(|sigma| (sigma / own - 1.0).abs() > ROUNDING);
-            parameter.outside(told.map_or(1.0, |sigma| sigma / own))
+            let widened = estimates[parameter.index()].sigma.map(|sigma| sigma / own);
+            let widened = widened.filter(|factor| factor.is_finite() && (factor - 1.0).abs() > ROUNDING);
+            parameter.outside(widened.unwrap_or(1.0))
         };
         let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| factor(i) * factor(j) * matrix[(i, j)]);
         let named = |matrix: &DMatrix<f64>| NamedMatrix { names: names.clone(), rows: rows(matrix) };
@@ -370,7 +361,7 @@ impl Uncertainty {
     }
 
     pub(crate) fn nuisances(&self, found: &Found<'_>, point: &Evaluation) -> Vec<NuisanceFound> {
-        let total = self.total();
+        let total = &self.common;
         let sigma = |i: usize| {
             let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
             total.as_ref().map(|matrix| matrix[(place, place)].sqrt())

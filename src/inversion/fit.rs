@@ -32,8 +32,9 @@ pub enum FitError {
     Bounds(#[from] BoundsError),
     /// Too little data.
     #[error(
-        "{readings} readings cannot determine {unknowns} unknowns ({parameters} free parameters, the others scales or \
-         backgrounds): it takes {} at least, or fewer unknowns", unknowns + 1
+        "too few readings, {readings}, for the unknowns, {unknowns} (free parameters: {parameters}; scales, weights and \
+         backgrounds: {}): it takes {} at least, or fewer unknowns",
+        unknowns - parameters, unknowns + 1
     )]
     TooFewReadings {
         /// Readings in the data.

@@ -78,8 +78,7 @@ pub(crate) fn minima(
     let cells = grid(space, &thin.plan, &thin.linear);
     let mut found = Vec::new();
     for effort in [1, DEEPER] {
-        let mut starts = vec![start.clone()];
-        starts.extend(starts_from(thin, space, &cells, effort));
+        let starts = starts_from(thin, space, &cells, effort, &start);
         progress("polishing the best cells");
         let rough = runs(thin, &starts, COARSE);
         let hopeless = HOPELESS * rough.first().map_or(0.0, Minimum::sum_of_squares);
@@ -115,8 +114,14 @@ fn aliases(compiled: &Compiled<'_>, space: &Space, best: &Minimum) -> Vec<Minimu
 }
 
 /// What is polished: the best cells of the grid, the swap partners and mirror images of the best of these, and random
-/// points; `effort` times as many of each as usual.
-fn starts_from(thin: &Compiled<'_>, space: &Space, cells: &[Cell], effort: usize) -> Vec<DVector<f64>> {
+/// points; `effort` times as many of each as usual. Before them the user's start.
+fn starts_from(
+    thin: &Compiled<'_>,
+    space: &Space,
+    cells: &[Cell],
+    effort: usize,
+    start: &DVector<f64>,
+) -> Vec<DVector<f64>> {
     let settings = thin.settings;
     let best = finer(space, &thin.plan, &thin.linear, &cells[..cells.len().min(effort * POLISHED)]);
     let mut starts: Vec<DVector<f64>> = best.iter().map(|cell| space.freedom.restrict(&cell.values)).collect();
@@ -125,7 +130,7 @@ fn starts_from(thin: &Compiled<'_>, space: &Space, cells: &[Cell], effort: usize
     starts.extend(best.iter().take(effort * MIRRORED).filter_map(|cell| mirrored(&cell.values, space)));
     starts.extend(space.bounds.latin_hypercube(effort * RANDOM, settings.seed));
     // The swap partner or mirror image of a cell may be another cell, or itself.
-    let mut met: Vec<DVector<f64>> = Vec::with_capacity(starts.len());
+    let mut met = vec![start.clone()];
     for start in starts {
         if !met.contains(&start) {
             met.push(start);

@@ -94,6 +94,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let bent = structured || loud || lone.is_some() || (missed && !noise);
     let by_spread =
         if bent { uncertainty.widen(jackknife(found, &point, &in_use, loud && !structured), dof) } else { 1.0 };
+    uncertainty.settle(found);
     let widened_by = by_misfit * by_structure * by_spread;
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
@@ -107,8 +108,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let by_luck = CHANCE + 2.0 * found.linear.columns.len().saturating_sub(3) as f64;
     let by_chance = gain < by_luck;
     if by_chance || !found.best.termination.was_successful() {
-        let fitted = estimates.iter_mut().filter(|estimate| estimate.bounds.is_some());
-        fitted.chain([&mut derived.period, &mut derived.optical_sum]).for_each(Estimate::withdraw);
+        let all = estimates.iter_mut().chain([&mut derived.period, &mut derived.optical_sum]);
+        all.filter(|estimate| estimate.status != Status::Fixed).for_each(Estimate::withdraw);
     }
     let verdict = verdict(found, &estimates, &derived);
     let identifiability = identifiability(found, unit);
@@ -117,7 +118,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let mut warnings = Vec::new();
     if by_chance {
         warnings.push(if verdict == Verdict::Given {
-            "the given structure explains nothing of the data: a constant fits as well".to_owned()
+            "the data cannot tell the given structure from a constant".to_owned()
         } else if found.settings.search == Search::Local {
             "the minimum next to the start explains nothing of the data: give a better start, or search everywhere"
                 .to_owned()
@@ -134,14 +135,17 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
             )
         });
     }
-    if (missed || structured || lone.is_some()) && !by_chance {
+    if (missed || structured || lone.is_some()) && (!by_chance || verdict == Verdict::Given) {
         let times = match lone {
             Some(lone) => Some((lone.times, Some(&found.data.curves()[lone.curve]))),
             None => missed.then(|| (reduced.sqrt(), None)),
         };
         let correlation = structured.then_some(correlation_of_residuals.value);
-        let widened = (verdict != Verdict::Given).then_some((bent, widened_by));
-        warnings.push(wording::missed(times, correlation, widened));
+        warnings.push(if verdict == Verdict::Given {
+            wording::given_missed(times, correlation)
+        } else {
+            wording::missed(times, correlation, bent, widened_by)
+        });
     }
     if missed || by_chance {
         warnings.extend(warnings::outlier(found, &readings, chi2));

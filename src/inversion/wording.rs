@@ -14,8 +14,7 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
             format!("{parameter} cannot be told: in these data it acts as a scale does")
         }
         [(parameter, _)] if held.deviation.is_infinite() && !held.elsewhere.is_empty() => format!(
-            "{parameter} cannot be told: other values of it fit as well; the intervals of the others allow for all within its \
-             bounds"
+            "{parameter} cannot be told: other values of it fit as well; the intervals of the others allow for those that do"
         ),
         [(parameter, _)] if held.deviation.is_infinite() => {
             format!("{parameter} cannot be told: nothing in the data depends on it")
@@ -43,27 +42,32 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     }
 }
 
-/// The sentence of a model that misses the data, by `times` the stated noise (of one curve, if it is named) or with a
-/// `correlation` of neighbouring residuals; `widened` by how much the standard deviations are, and whether the residuals are no
-/// noise, unless nothing was free.
-pub(crate) fn missed(
-    times: Option<(f64, Option<&String>)>,
-    correlation: Option<f64>,
-    widened: Option<(bool, f64)>,
-) -> String {
+/// By how much and how data are missed: by `times` the stated noise (of one curve, if it is named), with a `correlation` of
+/// neighbouring residuals.
+fn by_how_much(times: Option<(f64, Option<&String>)>, correlation: Option<f64>) -> String {
     let by = times.map_or_else(String::new, |(times, curve)| {
         let place = curve.map(|curve| format!(" in curve {curve}")).unwrap_or_default();
         format!("{place} by {times:.1} times the stated noise")
     });
-    let agree = correlation.map(|correlation| {
+    let agree = correlation.map_or_else(String::new, |correlation| {
         format!(": neighbouring residuals agree (correlation {correlation:.2}), which noise does not make")
     });
-    let agree = agree.unwrap_or_default();
-    let Some((bent, widened_by)) = widened else {
-        return format!(
-            "the given structure misses the data{by}{agree}; leave a thickness free to see what the data ask for"
-        );
-    };
+    by + &agree
+}
+
+/// The sentence of a given structure that misses the data.
+pub(crate) fn given_missed(times: Option<(f64, Option<&String>)>, correlation: Option<f64>) -> String {
+    let by = by_how_much(times, correlation);
+    format!("the given structure misses the data{by}; leave a thickness free to see what the data ask for")
+}
+
+/// The sentence of a model that misses the data; `bent` if the residuals are no noise.
+pub(crate) fn missed(
+    times: Option<(f64, Option<&String>)>,
+    correlation: Option<f64>,
+    bent: bool,
+    widened_by: f64,
+) -> String {
     let how = if bent {
         // Residuals that look like noise may be noise that was stated too small.
         let guess = if correlation.is_none() && times.is_some() {
@@ -80,7 +84,7 @@ pub(crate) fn missed(
          stated sigma is too small)"
             .to_owned()
     };
-    format!("the model misses the data{by}{agree}; {how}")
+    format!("the model misses the data{}; {how}", by_how_much(times, correlation))
 }
 
 /// The combination of two parameters that a step along the undetermined direction leaves alone.

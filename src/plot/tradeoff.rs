@@ -74,10 +74,11 @@ fn panel(diagram: &Diagram) -> Panel {
         let (Some(first), Some(last)) = (places.first(), places.last()) else { continue };
         let apart = (first.0 - last.0).abs() > 0.0 || (first.1 - last.1).abs() > WIDE;
         for (place, (point, &(x, y))) in series.points.iter().zip(&places).enumerate() {
-            // One point each: the method names it better than the setting, which all share.
+            // One point each: the method names it better than the setting, which all share. What stands behind a comma is for tables.
             let text = if single { &series.method } else { &point.setting };
+            let text = text.split(',').next().unwrap_or(text);
             if single || (apart && (place == 0 || place + 1 == places.len())) {
-                labels.push(Label { x, y, text: text.clone(), ..Label::default() });
+                labels.push(Label { x, y, text: text.to_owned(), ..Label::default() });
             }
         }
     }

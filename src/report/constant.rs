@@ -4,6 +4,7 @@ use super::digits::{plain, with_sigma};
 use super::table::{Align, Table};
 use super::terminal::wrapped;
 use super::wording;
+use crate::inversion::Verdict;
 use crate::inversion::intervals::{ConstantProfile, IntervalPair, QuantityOver};
 
 /// The constant, and what it leaves of the parameters, in lines of `width` characters.
@@ -33,16 +34,18 @@ pub fn text(found: &ConstantProfile, width: usize) -> String {
         ("68 % with it fitted", Align::Left),
         ("95 % with it fitted", Align::Left),
     ];
-    let mut table = Table::new(&columns);
-    for quantity in &found.quantities {
-        table.row(row(quantity));
+    if !found.quantities.is_empty() {
+        let mut table = Table::new(&columns);
+        for quantity in &found.quantities {
+            table.row(row(quantity));
+        }
+        text.push('\n');
+        text.push_str(&table.to_string());
     }
-    text.push('\n');
-    text.push_str(&table.to_string());
     for warning in &found.fit.outcome.warnings {
         warn(&mut text, warning);
     }
-    if found.quantities.is_empty() {
+    if found.quantities.is_empty() && found.fit.outcome.verdict != Verdict::Given {
         warn(&mut text, "no parameter is determined at the best value");
     }
     text

@@ -108,9 +108,9 @@ pub(super) fn remarks(found: &UncertaintyFound) -> Vec<Remark> {
         let number = |value: Option<f64>| value.map_or_else(|| "unknown".to_owned(), plain);
         let (r_hat, effective) = (number(posterior.r_hat), number(posterior.effective));
         let evaluations = posterior.evaluations;
-        let more = MORE * evaluations.max(1);
+        let more = MORE * evaluations;
         if posterior.samples == 0 {
-            say(&format!("the posterior has no samples after {evaluations} evaluations; try --max-evaluations {more}"));
+            say(&format!("the posterior has no samples after {evaluations} evaluations"));
         } else if !posterior.converged {
             say(&format!(
                 "the posterior is not sampled enough: split-R̂ {r_hat}, {effective} effective samples; try \

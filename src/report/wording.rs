@@ -22,8 +22,8 @@ pub fn verdict(outcome: &FitOutcome) -> String {
         }
         Verdict::NotConverged => format!("no minimum was found: {}", outcome.termination.phrase()),
         Verdict::Given => {
-            let how = if missed.is_empty() { "fits" } else { "misses" };
-            format!("nothing was free: the given structure {how} the data")
+            let how = if missed.is_empty() { "is not contradicted by" } else { "misses" };
+            format!("nothing was free; the given structure {how} the data")
         }
     }
 }

@@ -45,7 +45,9 @@ pub(crate) fn run(args: &FitArgs, command: UncertaintyWord) -> Result<Outcome> {
     } else if !args.output.quiet {
         let mut report = terminal::text(&fit, WIDTH);
         if fit.outcome.uncertainty.is_none() && Methods::of(&args.uncertainty, command).any() {
-            report.push_str("\n! no interval was asked for: the fit determines nothing\n");
+            let why =
+                if fit.outcome.verdict == Verdict::Given { "nothing is free" } else { "the fit determines nothing" };
+            report.push_str(&format!("\n! there is no interval: {why}\n"));
         }
         if let Some(found) = &fit.outcome.uncertainty {
             report.push_str(&format!("\n{}", uncertainty::text(found, WIDTH)));

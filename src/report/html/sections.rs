@@ -212,7 +212,10 @@ pub(super) fn correlations(outcome: &FitOutcome) -> String {
     let table = format!("<table>\n<thead><tr><td></td>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n");
     let mut html = scrolled("scroll", "Correlations", &table);
     if !outcome.identifiability.undetermined.is_empty() {
-        html.push_str(&element("p", "What is not determined is held while the others move."));
+        html.push_str(&element(
+            "p",
+            "What is not determined is held; that the others move along it is allowed for, but not for the scales.",
+        ));
     }
     html
 }

@@ -20,7 +20,7 @@ pub(super) fn header(outcome: &FitOutcome, file: &str) -> String {
         (Verdict::NotConverged, _) => ("none", CROSS, "No result"),
         (Verdict::NoThickness, _) => ("none", CROSS, "No thickness"),
         (Verdict::Given, true) => ("none", CROSS, "Given, and misses the data"),
-        (Verdict::Given, false) => ("good", TICK, "Given"),
+        (Verdict::Given, false) => ("part", HALF, "Given, and not contradicted"),
         (_, true) => ("part", SIGN, "With care: the model misses the data"),
         (Verdict::Determined, false) => ("good", TICK, "Determined"),
         (Verdict::PartlyDetermined, false) => ("part", HALF, "Determined in part"),
