@@ -170,7 +170,7 @@ fn a_broken_item_stops_no_other_and_is_told_by_its_line() {
     write(&folder, "few.csv", "wavelength_nm,theta_deg,phi_deg,omega_deg,intensity\n450,0,0,90,0.1\n");
     let ended = ends(&folder, &format!("batch bad.csv few.csv good.csv {FIT} --out all"), 3);
     assert!(ended.err.contains("item bad: bad.csv:2: column 5 `intensity`: `x` is not a number"), "{}", ended.err);
-    assert!(ended.err.contains("bad.csv:3: column 3 `phi_deg`") && ended.err.contains("few.csv: 1 readings cannot"));
+    assert!(ended.err.contains("bad.csv:3: column 3 `phi_deg`") && ended.err.contains("few.csv: too few readings, 1,"));
     assert!(ended.err.contains("an error in 2 of 3 items"), "{}", ended.err);
     let all = batch(&folder, "all");
     assert_eq!((all.counts.errors, all.counts.determined), (2, 1));

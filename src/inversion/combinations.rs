@@ -67,7 +67,7 @@ pub(crate) fn combinations(solution: &Solution, analysis: &Identifiability) -> V
                 .map(|(parameter, coefficient)| coefficient * moved(parameter))
                 .sum::<f64>()
         };
-        let stays = solution.held.iter().flat_map(|held| &held.elsewhere).all(|there| along(there).abs() <= sigma);
+        let stays = solution.open().flat_map(|held| &held.elsewhere).all(|there| along(there).abs() <= sigma);
         (sigma.is_finite() && stays).then(|| Combination {
             names: parameters.iter().map(|parameter| parameter.name().to_owned()).collect(),
             coefficients,

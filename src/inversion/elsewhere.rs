@@ -99,6 +99,20 @@ impl Estimate {
         }
     }
 
+    /// Marks a value on a bound that fits as well at the values `inside`: told on one side, or on none if they reach the other bound.
+    pub(crate) fn open_from_bound(&mut self, inside: &[f64], noticeable: f64) {
+        let (Some(value), Some([lower, upper])) = (self.value, self.bounds) else { return };
+        let (least, most) = inside.iter().fold((value, value), |(least, most), &x| (least.min(x), most.max(x)));
+        if most - least <= noticeable {
+            return;
+        }
+        self.others.clear();
+        self.status = Status::OneSided;
+        let interval = [(least > lower + noticeable).then_some(least), (most < upper - noticeable).then_some(most)];
+        (self.interval_68, self.interval_95) = (Some(interval), Some(interval));
+        self.mark_open_ends();
+    }
+
     /// Takes back a value whose interval is open on both sides, and marks one that is on one.
     pub(crate) fn mark_open_ends(&mut self) {
         let is_told = self.status.is_determined() || self.status == Status::OneSided;

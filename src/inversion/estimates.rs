@@ -179,7 +179,7 @@ impl Uncertainty {
         };
         if let Some(factors) = Cholesky::new(common.clone()) {
             let deviations = |moved: &DVector<f64>| moved.dot(&factors.solve(moved));
-            for held in found.held {
+            for held in found.solution.open() {
                 let others = held.elsewhere.iter().map(moved);
                 if let Some(farthest) = others.max_by(|a, b| deviations(a).total_cmp(&deviations(b))) {
                     common += &farthest * farthest.transpose() / 3.0;
@@ -200,7 +200,7 @@ impl Uncertainty {
             along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
         }
         let added = self.spread.as_ref().map_or(0.0, |spread| spread.variance(&DVector::from_column_slice(gradient)));
-        let even: f64 = found.held.iter().map(|held| shift(held, gradient, found).powi(2) / 3.0).sum();
+        let even: f64 = found.solution.open().map(|held| shift(held, gradient, found).powi(2) / 3.0).sum();
         (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0) + added + even)
     }
 
@@ -253,6 +253,10 @@ impl Uncertainty {
             // A model that misses may do so because of its bounds, and then everything fits as well.
             let elsewhere = if self.misses { Vec::new() } else { elsewhere(found, self.unit, value) };
             estimate.stopped_at_bound(&elsewhere, noticeable);
+            let own =
+                found.solution.stopped.iter().filter(|stopped| !self.misses && stopped.direction[0].0 == parameter);
+            let inside: Vec<f64> = own.flat_map(|stopped| &stopped.elsewhere).map(value).collect();
+            estimate.open_from_bound(&inside, noticeable);
             return estimate;
         }
         let variance = self.variance(&gradient, found);
@@ -368,7 +372,7 @@ impl Uncertainty {
         };
         // A parameter that acts as a scale, or that has other values which fit, was held at some value, and the scale with it.
         let moves = |held: &Held| held.absorbed && held.direction.len() == 1 || !held.elsewhere.is_empty();
-        let conditional = found.held.iter().any(moves);
+        let conditional = found.solution.open().any(moves);
         (found.linear.columns.iter().enumerate())
             .map(|(i, column)| NuisanceFound {
                 name: column_name(column, found.data),

@@ -11,7 +11,7 @@ use crate::inversion::settings::{FitSettings, Search, SettingsError};
 use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
 use crate::inversion::summary::{Summary, summarise};
-use crate::inversion::undetermined::{apart_beyond, hold_undetermined, unit_of_residuals};
+use crate::inversion::undetermined::{Undetermined, apart_beyond, hold_undetermined, unit_of_residuals};
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
 use crate::uncertainty::posterior::SamplerError;
@@ -185,9 +185,9 @@ pub(crate) fn fit_compiled(
         likeliest_first(&mut minima, &searched.ranges, unit);
     }
     progress("asking what the data determine");
-    let (held, space, best) = hold_undetermined(compiled, &robust, &searched, &minima[0])?;
+    let Undetermined { held, stopped, space, best } = hold_undetermined(compiled, &robust, &searched, &minima[0])?;
     let minima = apart_beyond(minima, &held, &searched);
-    let mut solution = Solution { searched, space, best, minima, held, robust, robust_unit, unit: 1.0 };
+    let mut solution = Solution { searched, space, best, minima, held, stopped, robust, robust_unit, unit: 1.0 };
     let summary = summarise(&Found::new(compiled, &solution));
     let Summary { outcome, readings, unit } =
         summary.ok_or(FitError::NowhereFinite { model: compiled.plan.model_name() })?;

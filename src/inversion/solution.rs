@@ -17,10 +17,19 @@ pub(crate) struct Solution {
     pub(crate) minima: Vec<Minimum>,
     /// What was taken out.
     pub(crate) held: Vec<Held>,
+    /// What ended on a bound; see [`Undetermined::stopped`](crate::inversion::undetermined::Undetermined).
+    pub(crate) stopped: Vec<Held>,
     /// Square roots of the weights of a robust loss; empty for none.
     pub(crate) robust: Vec<f64>,
     /// Weighted residual that counts as one standard deviation in the robust loss.
     pub(crate) robust_unit: f64,
     /// Standard deviation of a weighted residual, widened where the model misses the data.
     pub(crate) unit: f64,
+}
+
+impl Solution {
+    /// The parameters, held or on a bound, along which others may move.
+    pub(crate) fn open(&self) -> impl Iterator<Item = &Held> {
+        self.held.iter().chain(&self.stopped)
+    }
 }

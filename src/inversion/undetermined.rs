@@ -90,13 +90,23 @@ pub(crate) fn apart_beyond(minima: Vec<Minimum>, held: &[Held], space: &Space) -
     kept
 }
 
+/// What is left when the directions that the data do not determine are taken out.
+#[derive(Debug)]
+pub(crate) struct Undetermined {
+    pub(crate) held: Vec<Held>,
+    /// Tilt, lobe or width of the lamellae that ended on a bound: not held, but the others were found with it there.
+    pub(crate) stopped: Vec<Held>,
+    pub(crate) space: Space,
+    pub(crate) best: Minimum,
+}
+
 /// Takes out one parameter for each direction that the data do not determine, and fits the others again.
 pub(crate) fn hold_undetermined(
     compiled: &Compiled<'_>,
     robust: &[f64],
     searched: &Space,
     best: &Minimum,
-) -> Result<(Vec<Held>, Space, Minimum), BoundsError> {
+) -> Result<Undetermined, BoundsError> {
     let mut roles: [Role; COUNT] = compiled.settings.roles;
     let mut space = Space::new(&roles)?;
     let mut best = best.clone();
@@ -123,9 +133,9 @@ pub(crate) fn hold_undetermined(
         space = Space::new(&roles)?;
         let problem = Problem::new(compiled, &space, robust);
         best = minimise(&problem, &space.freedom.restrict(&values), FINE);
-        // Its slope is 0, as at a symmetry, or so small that the noise hides it: the others move with it either way. What only acts
-        // as a scale does moves nothing but the scale.
-        let moves = !absorbed || deviation.is_finite();
+        // Its slope is 0, as at a symmetry, or so small that the noise hides it: the others move with it either way. A lobe or a
+        // width that only acts as a scale does moves nothing but the scale; a tilt does so at one place, and the phases elsewhere.
+        let moves = !absorbed || deviation.is_finite() || parameter == Parameter::Delta;
         let elsewhere = match walked(&direction).filter(|&walked| moves && compiled.plan.sees(walked)) {
             Some(walked) => {
                 let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
@@ -135,7 +145,28 @@ pub(crate) fn hold_undetermined(
         };
         held.push(Held { direction, deviation, absorbed, elsewhere });
     }
-    Ok((held, space, best))
+    let dof = compiled.plan.len().saturating_sub(space.freedom.free.len() + compiled.linear.columns.len());
+    let unit = unit_of_residuals(compiled.data, best.sum_of_squares(), dof);
+    let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
+    let values = space.freedom.expand(&best.parameters);
+    let on_a_bound = (0..space.freedom.free.len()).filter(|&j| {
+        let at = best.parameters[j];
+        at <= space.bounds.lower()[j] || at >= space.bounds.upper()[j]
+    });
+    let stopped = on_a_bound
+        .map(|j| space.freedom.free[j])
+        .filter(|parameter| !matches!(parameter, Parameter::DAir | Parameter::DCuticle))
+        .map(|parameter| {
+            let direction = vec![(parameter, 0.0)];
+            Held {
+                direction,
+                deviation: 0.0,
+                absorbed: false,
+                elsewhere: elsewhere(compiled, robust, parameter, &values, most),
+            }
+        })
+        .collect();
+    Ok(Undetermined { held, stopped, space, best })
 }
 
 /// The parameter that is moved to see what moves along a direction beyond its derivatives; none if thicknesses are a part of it:

@@ -133,12 +133,13 @@ mod tests {
     fn squares_and_products_are_those_of_their_weights() {
         for length in [0_u32, 1, 15, 16, 17, 100] {
             let x: Vec<f64> = (0..length).map(f64::from).collect();
-            let (halves, twos) = (vec![0.5; x.len()], vec![2.0; x.len()]);
-            let (square, product) = square_and_product(&x, [&halves, &twos]);
-            // 0 + 1 + ... + (n - 1), and their squares
+            let ones = vec![1.0; x.len()];
+            // 0³ + 1³ + ... + (n - 1)³ and 0² + 1² + ... + (n - 1)²
             let n = f64::from(length);
-            assert!((square - 0.5 * (n - 1.0) * n * (2.0 * n - 1.0) / 6.0).abs() < 1e-9);
-            assert!((product - n * (n - 1.0)).abs() < 1e-9);
+            let (cubes, squares) = ((0.5 * n * (n - 1.0)).powi(2), (n - 1.0) * n * (2.0 * n - 1.0) / 6.0);
+            let (square, product) = square_and_product(&x, [&x, &x]);
+            assert!((square - cubes).abs() < 1e-6 && (product - squares).abs() < 1e-9);
+            assert!((square_and_product(&x, [&ones, &x]).0 - squares).abs() < 1e-9);
         }
     }
 
