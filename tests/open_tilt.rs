@@ -15,7 +15,7 @@ fn told(data: &Dataset, settings: &FitSettings) -> FitOutcome {
 /// truth out of every interval of the optical sum.
 #[test]
 fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
-    let (mut held, mut hidden, mut ambiguous, mut on_a_bound, mut fits) = (0, [0, 0], [0, 0], 0, 0);
+    let (mut held, mut hidden, mut on_a_bound, mut fits) = (0, [0, 0], 0, 0);
     for tilt in [0.0, 2.5] {
         let truth = Structure { delta: radians(tilt), ..Structure::blue() };
         let sum = truth.d_air + 1.56 * truth.d_cuticle;
@@ -28,7 +28,6 @@ fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
             held += usize::from(holds);
             match found.parameters.delta.status {
                 Status::NotIdentifiable => hidden[usize::from(holds)] += 1,
-                Status::Ambiguous => ambiguous[usize::from(holds)] += 1,
                 // That 0 fits as well is no reason to widen a bound.
                 status => assert_ne!(status, Status::AtBound),
             }
@@ -37,9 +36,8 @@ fn a_tilt_that_noise_hides_widens_the_intervals_of_the_layers() {
             on_a_bound += usize::from(found.parameters.delta.held_at.is_some_and(|delta| delta.abs() >= 10.0));
         }
     }
-    assert!(hidden[1] >= 5 && hidden[0] == 0, "{hidden:?}");
+    assert!(hidden[1] >= 20 && hidden[0] <= 1, "{hidden:?}");
     assert!(on_a_bound >= 5, "{on_a_bound}");
-    assert!(ambiguous[1] >= 15 && ambiguous[0] <= 1, "{ambiguous:?}");
     // 95 % of 80 less two standard deviations.
     assert!(fits >= 75 && held * 10 >= fits * 9, "{held} of {fits}");
 }

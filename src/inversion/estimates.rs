@@ -269,6 +269,11 @@ impl Uncertainty {
             }
         }
         estimate.allow_for(&elsewhere(found, self.unit, value), noticeable, &self.quantiles);
+        // Of thicknesses the several answers are worth telling, though they lie all over the bounds.
+        let is_thickness = matches!(parameter, Parameter::DAir | Parameter::DCuticle);
+        if estimate.status == Status::Ambiguous && estimate.interval_95 == Some([None, None]) && !is_thickness {
+            estimate.withdraw();
+        }
         estimate
     }
 
@@ -348,9 +353,14 @@ impl Uncertainty {
         estimates: &[Estimate; COUNT],
     ) -> (NamedMatrix, NamedMatrix) {
         let Some(matrix) = &self.common else { return Default::default() };
-        let names: Vec<String> = (self.inner.iter().map(|parameter| parameter.name().to_owned()))
-            .chain(self.columns.iter().map(|&i| column_name(&found.linear.columns[i], found.data)))
-            .collect();
+        // A parameter that is not told has no deviation; its row would be one with others held.
+        let has_sigma = |row: &usize| self.inner.get(*row).is_none_or(|own| estimates[own.index()].sigma.is_some());
+        let kept: Vec<usize> = (0..matrix.nrows()).filter(has_sigma).collect();
+        let name = |&row: &usize| {
+            let column = |place: usize| column_name(&found.linear.columns[self.columns[place]], found.data);
+            self.inner.get(row).map_or_else(|| column(row - self.inner.len()), |parameter| parameter.name().to_owned())
+        };
+        let names: Vec<String> = kept.iter().map(name).collect();
         // Structures nearby that fit as well widen a deviation further; how they move together is not told.
         let factor = |j: usize| {
             let Some(parameter) = self.inner.get(j) else { return 1.0 };
@@ -359,7 +369,9 @@ impl Uncertainty {
             let widened = widened.filter(|factor| factor.is_finite() && (factor - 1.0).abs() > ROUNDING);
             parameter.outside(widened.unwrap_or(1.0))
         };
-        let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| factor(i) * factor(j) * matrix[(i, j)]);
+        let scaled = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
+            factor(kept[i]) * factor(kept[j]) * matrix[(kept[i], kept[j])]
+        });
         let named = |matrix: &DMatrix<f64>| NamedMatrix { names: names.clone(), rows: rows(matrix) };
         (named(&scaled), named(&correlation(&scaled)))
     }

@@ -351,3 +351,6 @@ fn cells(space: &Space, plan: &Plan<'_>, linear: &LinearPart, outers: &[Vec<f64>
     };
     outers.par_iter().map(cell).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,6 +17,7 @@ use crate::inversion::residuals::{by_curve, curve_residuals, neighbours, tests_b
 use crate::inversion::settings::Search;
 use crate::inversion::space::Space;
 use crate::inversion::undetermined::{Held, unit_of_residuals};
+use crate::inversion::wording::Missed;
 use crate::inversion::{warnings, wording};
 use crate::numerics::dot::dot;
 use crate::optimise::{Loss, Minimum};
@@ -137,15 +138,17 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     }
     if (missed || structured || lone.is_some()) && (!by_chance || verdict == Verdict::Given) {
         let times = match lone {
-            Some(lone) => Some((lone.times, Some(&found.data.curves()[lone.curve]))),
+            Some(lone) => Some((lone.times, Some(found.data.curves()[lone.curve].as_str()))),
             None => missed.then(|| (reduced.sqrt(), None)),
         };
-        let correlation = structured.then_some(correlation_of_residuals.value);
+        let agree = structured && correlation_of_residuals.deviations > STRUCTURED;
+        let missed = Missed { times, structured, correlation: agree.then_some(correlation_of_residuals.value) };
         warnings.push(if verdict == Verdict::Given {
-            wording::given_missed(times, correlation)
+            wording::given_missed(missed)
         } else {
-            wording::missed(times, correlation, bent, widened_by)
+            wording::missed(missed, bent, widened_by)
         });
+        warnings.push(warnings::may_help(found));
     }
     if missed || by_chance {
         warnings.extend(warnings::outlier(found, &readings, chi2));

@@ -5,7 +5,7 @@ use crate::inversion::elsewhere::as_good;
 use crate::inversion::estimates::Found;
 use crate::inversion::nuisance::Extent;
 use crate::inversion::outcome::{Estimate, FittedReading, Status};
-use crate::inversion::parameter::{COUNT, Parameter};
+use crate::inversion::parameter::{COUNT, Parameter, Role};
 
 /// A reading with more than this share of chi² is named.
 const OUTLIER: f64 = 0.5;
@@ -19,6 +19,23 @@ pub(crate) fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) 
     (size.powi(2) > OUTLIER * chi2).then(|| {
         format!("one reading makes up most of chi²: {place}; leave it out or use a robust loss (huber, cauchy)")
     })
+}
+
+/// What to try where the model misses the data.
+pub(crate) fn may_help(found: &Found<'_>) -> String {
+    let nuisances = &found.settings.nuisances;
+    let fixed = |role: &Role| matches!(role, Role::Fixed { .. });
+    let tries = [
+        (nuisances.background == Extent::None, "an offset of the readings (--background shared)"),
+        (
+            nuisances.scale != Extent::PerCurve && found.data.curves().len() > 1,
+            "curves that were scaled one by one (--scale per-curve)",
+        ),
+        (found.settings.roles.iter().any(fixed), "what was fixed (leave it free)"),
+        (true, "an index that is off (morpho-fit constant)"),
+    ];
+    let tries: Vec<&str> = tries.iter().filter(|(may, _)| *may).map(|(_, text)| *text).collect();
+    format!("causes to try: {}", tries.join("; "))
 }
 
 pub(crate) fn bounds(found: &Found<'_>, estimates: &[Estimate; COUNT]) -> Vec<String> {

@@ -42,49 +42,58 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     }
 }
 
-/// By how much and how data are missed: by `times` the stated noise (of one curve, if it is named), with a `correlation` of
-/// neighbouring residuals.
-fn by_how_much(times: Option<(f64, Option<&String>)>, correlation: Option<f64>) -> String {
-    let by = times.map_or_else(String::new, |(times, curve)| {
-        let place = curve.map(|curve| format!(" in curve {curve}")).unwrap_or_default();
-        format!("{place} by {times:.1} times the stated noise")
-    });
-    let agree = correlation.map_or_else(String::new, |correlation| {
-        format!(": neighbouring residuals agree (correlation {correlation:.2}), which noise does not make")
-    });
-    by + &agree
+/// How the data are missed.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Missed<'a> {
+    /// By how many times the stated noise, and in which curve if in one alone.
+    pub(crate) times: Option<(f64, Option<&'a str>)>,
+    /// Whether the residuals are not scattered as noise is.
+    pub(crate) structured: bool,
+    /// Correlation of neighbouring residuals, where it is more than noise makes.
+    pub(crate) correlation: Option<f64>,
+}
+
+impl Missed<'_> {
+    fn how(&self) -> String {
+        let by = self.times.map_or_else(String::new, |(times, curve)| {
+            let place = curve.map(|curve| format!(" in curve {curve}")).unwrap_or_default();
+            format!("{place} by {times:.1} times the stated noise")
+        });
+        let agree = match self.correlation {
+            Some(correlation) => {
+                format!(": neighbouring residuals agree (correlation {correlation:.2}), which noise does not make")
+            }
+            None if self.structured => ": the residuals of some curve are not scattered as noise is".to_owned(),
+            None => String::new(),
+        };
+        by + &agree
+    }
 }
 
 /// The sentence of a given structure that misses the data.
-pub(crate) fn given_missed(times: Option<(f64, Option<&String>)>, correlation: Option<f64>) -> String {
-    let by = by_how_much(times, correlation);
-    format!("the given structure misses the data{by}; leave a thickness free to see what the data ask for")
+pub(crate) fn given_missed(missed: Missed<'_>) -> String {
+    format!("the given structure misses the data{}; leave a thickness free to see what the data ask for", missed.how())
 }
 
 /// The sentence of a model that misses the data; `bent` if the residuals are no noise.
-pub(crate) fn missed(
-    times: Option<(f64, Option<&String>)>,
-    correlation: Option<f64>,
-    bent: bool,
-    widened_by: f64,
-) -> String {
+pub(crate) fn missed(missed: Missed<'_>, bent: bool, widened_by: f64) -> String {
     let how = if bent {
         // Residuals that look like noise may be noise that was stated too small.
-        let guess = if correlation.is_none() && times.is_some() {
+        let guess = if !missed.structured && missed.times.is_some() {
             " (or the stated sigma is too small: leave a guessed one out)"
         } else {
             ""
         };
         format!(
-            "the standard deviations are widened {widened_by:.1} times, by that and by how far the answer moves as parts of \
-             the data are left out, and the split of the layers depends on the model{guess}"
+            "the standard deviations are widened {widened_by:.1} times in the mean, by that and by how far the answer moves as \
+             parts of the data are left out, and the split of the layers depends on the model{guess}"
         )
     } else {
         "the standard deviations are widened by that factor, and the split of the layers depends on the model (or the \
          stated sigma is too small)"
             .to_owned()
     };
-    format!("the model misses the data{}; {how}", by_how_much(times, correlation))
+    format!("the model misses the data{}; {how}", missed.how())
 }
 
 /// The combination of two parameters that a step along the undetermined direction leaves alone.

@@ -42,7 +42,8 @@ pub fn text(fit: &Fit, width: usize) -> String {
     report.push('\n');
     let nuisance = if wording::answers(outcome) { nuisances(&outcome.nuisance) } else { String::new() };
     let (stiffness, averages) = (wording::stiffness(outcome), wording::averages(outcome));
-    for line in [stiffness, nuisance, averages, wording::goodness(outcome), data(outcome)] {
+    let exact = wording::taken_as_exact(outcome);
+    for line in [stiffness, nuisance, averages, wording::goodness(outcome), exact, data(outcome)] {
         report.push_str(&wrapped(&line, "  ", "    ", width));
     }
     report.push_str(&rivals(outcome, width));

@@ -7,6 +7,8 @@ use crate::inversion::{
 
 /// Other values of an ambiguous estimate that are named.
 const OTHERS: usize = 3;
+/// Wavelength at which an index is told, nm.
+const GREEN: f64 = 550.0;
 /// A thickness known no better than this, nm, is all but unknown.
 const ROUGH: f64 = 10.0;
 
@@ -310,6 +312,17 @@ pub fn goodness(outcome: &FitOutcome) -> String {
         return format!("scatter {} with {dof} degrees of freedom; {source}", plain(per.sqrt()));
     }
     format!("chi² {chi2} for {dof} degrees of freedom, {} each; {source}", plain(per))
+}
+
+/// What the thicknesses hold for, in one line: the fit takes it as exact. Empty where no thickness is told.
+#[must_use]
+pub fn taken_as_exact(outcome: &FitOutcome) -> String {
+    let stack = &outcome.settings.stack;
+    let index = |wavelength: f64| stack.media(wavelength).ok().map(|media| media.cuticle.re);
+    let Some(green) = index(GREEN).filter(|_| answers(outcome)) else { return String::new() };
+    let at = if index(GREEN - 100.0) == Some(green) { String::new() } else { format!(" at {GREEN} nm") };
+    let (layers, plural) = (stack.layers, if stack.layers == 1 { "" } else { "s" });
+    format!("for {layers} layer{plural} and n_cuticle {}{at}, taken as exact (see morpho-fit constant)", plain(green))
 }
 
 /// Whether the fit tells a thickness, so that there is something to compare with.

@@ -28,6 +28,15 @@ def test_a_defect_of_a_file_has_path_line_and_column(tmp_path: Path) -> None:
     assert isinstance(error, ValueError)
 
 
+def test_a_given_structure_is_judged(data: Path) -> None:
+    fix = {"d_air": 141.0, "d_cuticle": 62.0, "delta": 2.5, "phi_alpha": 0.5, "lamella_width": 300.0}
+    found = morpho_fit.fit(data / "blue_morpho.csv", fix=fix)
+    assert found.verdict == "given" and found.converged and found.warnings == []
+    assert found.names == ["lamella_scale", "scale"] and found.values["period"] == pytest.approx(203.0)
+    other = morpho_fit.fit(data / "blue_morpho.csv", fix=fix | {"d_air": 150.0})
+    assert other.warnings[0].startswith("the given structure misses the data by 17.7 times the stated noise")
+
+
 def test_a_defect_of_a_frame_has_row_and_column(data: Path) -> None:
     frame = pandas.read_csv(data / "blue_morpho.csv", comment="#")
     bad = frame.copy()

@@ -101,7 +101,7 @@ impl Task<'_> {
         let sigma = quantity.estimate(&self.fit.outcome).sigma.map(|sigma| quantity.inside(sigma));
         let others: Vec<[f64; COUNT]> = (rivals(&self.fit.solution)
             .map(|minimum| searched.freedom.expand(&minimum.parameters)))
-        .chain(self.fit.solution.held.iter().flat_map(|held| held.elsewhere.clone()))
+        .chain(self.fit.solution.open().flat_map(|held| held.elsewhere.clone()))
         .collect();
         // The spaces of one quantity differ in the held value alone: the free parameters are numbered alike.
         let conditional = |value: f64, starts: &[&DVector<f64>]| {
