@@ -110,7 +110,6 @@ SETTINGS: list[dict[str, Any]] = [
     {"replicates": 3},
     {"polarization": "left"},
     {"wide": "omega"},
-    {"fix": {"d_air": 1, "d_cuticle": 1, "delta": 0, "phi_alpha": 1, "a": 300}},
 ]
 
 
