@@ -42,7 +42,8 @@ pub struct Fitter {
 /// A design of measurement, compiled.
 #[derive(Debug)]
 struct Design {
-    readings: Vec<Reading>,
+    /// What each reading sees.
+    keys: Vec<[u64; 5]>,
     curves: usize,
     whole: Part,
     thinned: Option<Part>,
@@ -97,22 +98,23 @@ impl Design {
             Search::Local => None,
         };
         let whole = part((0..data.readings().len()).collect())?;
-        Ok(Self { readings: data.readings().to_vec(), curves: data.curves().len(), whole, thinned })
+        let keys = data.readings().iter().map(key).collect();
+        Ok(Self { keys, curves: data.curves().len(), whole, thinned })
     }
 
     /// Whether the readings of `data` differ from these in intensity and sigma alone.
     fn is_of(&self, data: &Dataset) -> bool {
-        let same = |(own, other): (&Reading, &Reading)| {
-            let bits = |reading: &Reading| {
-                let at = reading.geometry;
-                [reading.wavelength, at.theta, at.phi, at.omega].map(f64::to_bits)
-            };
-            bits(own) == bits(other) && own.polarization == other.polarization && own.curve == other.curve
-        };
         self.curves == data.curves().len()
-            && self.readings.len() == data.readings().len()
-            && self.readings.iter().zip(data.readings()).all(same)
+            && self.keys.len() == data.readings().len()
+            && self.keys.iter().zip(data.readings()).all(|(own, other)| *own == key(other))
     }
+}
+
+/// Wavelength, angles, curve and polarization of a reading.
+fn key(reading: &Reading) -> [u64; 5] {
+    let at = reading.geometry;
+    let [wavelength, theta, phi, omega] = [reading.wavelength, at.theta, at.phi, at.omega].map(f64::to_bits);
+    [wavelength, theta, phi, omega, ((reading.curve as u64) << 2) | reading.polarization as u64]
 }
 
 impl Part {

@@ -32,9 +32,9 @@ const LEAST_OF_A_CURVE: usize = 16;
 const SPREAD: usize = 1 << 16;
 const GOLDEN: usize = 40_503;
 
-/// What multiplies the residual of a reading: `1 / sigma`, or 1 where the data have none.
-fn weight(reading: &Reading) -> f64 {
-    reading.sigma.map_or(1.0, f64::recip)
+/// What multiplies the residual of a reading, `1 / sigma`, or 1 where the data have none; and its intensity.
+fn weight_and_intensity(reading: &Reading) -> (f64, f64) {
+    (reading.sigma.map_or(1.0, f64::recip), reading.intensity)
 }
 
 /// A data set compiled for one model. What its readings see of the model is shared by all that are made of it.
@@ -95,7 +95,7 @@ impl<'a> Plan<'a> {
         model.validate()?;
         let chosen = || rows.iter().map(|&row| &data.readings()[row]);
         let points = Arc::new(Points::new(chosen(), model, parts)?);
-        let rows = Rows::of_data(chosen().map(weight), chosen().map(|reading| reading.intensity));
+        let rows = Rows::of_data(chosen().map(weight_and_intensity));
         Ok(Self { model: ModelHeld::Lent(model), points, rows, curves: data.curves().len() })
     }
 
@@ -111,13 +111,13 @@ impl<'a> Plan<'a> {
 
     /// The same design with other intensities, one for each reading.
     pub(crate) fn with_intensities(&self, intensities: &[f64]) -> Self {
-        let rows = self.rows.with_data(self.rows.weights().iter().copied(), intensities.iter().copied());
+        let rows = self.rows.with_data(self.rows.weights().iter().copied().zip(intensities.iter().copied()));
         Self { model: self.model.clone(), points: Arc::clone(&self.points), rows, curves: self.curves }
     }
 
     /// The same design with the intensities and sigmas of other readings.
-    pub(crate) fn with_readings<'r>(&self, readings: impl Iterator<Item = &'r Reading> + Clone) -> Self {
-        let rows = self.rows.with_data(readings.clone().map(weight), readings.map(|reading| reading.intensity));
+    pub(crate) fn with_readings<'r>(&self, readings: impl ExactSizeIterator<Item = &'r Reading>) -> Self {
+        let rows = self.rows.with_data(readings.map(weight_and_intensity));
         Self { model: self.model.clone(), points: Arc::clone(&self.points), rows, curves: self.curves }
     }
 }

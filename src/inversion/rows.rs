@@ -149,9 +149,15 @@ impl Layout {
 
 impl Rows {
     /// Of readings in order, not yet arranged.
-    pub(crate) fn of_data(weights: impl Iterator<Item = f64>, intensities: impl Iterator<Item = f64>) -> Self {
-        let (weights, intensities): (Vec<f64>, Vec<f64>) = (weights.collect(), intensities.collect());
-        let weighted = weights.iter().zip(&intensities).map(|(weight, intensity)| weight * intensity).collect();
+    ///
+    /// - `data`: weight and intensity of each.
+    pub(crate) fn of_data(data: impl ExactSizeIterator<Item = (f64, f64)>) -> Self {
+        let [mut weights, mut intensities, mut weighted] = [(); 3].map(|()| Vec::with_capacity(data.len()));
+        for (weight, intensity) in data {
+            weights.push(weight);
+            intensities.push(intensity);
+            weighted.push(weight * intensity);
+        }
         Self { layout: Arc::default(), weights, intensities, weighted }
     }
 
@@ -161,8 +167,8 @@ impl Rows {
     }
 
     /// The same arrangement of other data.
-    pub(crate) fn with_data(&self, weights: impl Iterator<Item = f64>, intensities: impl Iterator<Item = f64>) -> Self {
-        Self { layout: Arc::clone(&self.layout), ..Self::of_data(weights, intensities) }
+    pub(crate) fn with_data(&self, data: impl ExactSizeIterator<Item = (f64, f64)>) -> Self {
+        Self { layout: Arc::clone(&self.layout), ..Self::of_data(data) }
     }
 
     /// What multiplies each residual.

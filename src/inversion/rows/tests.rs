@@ -12,7 +12,7 @@ fn reading(nodes: [usize; 3], curve: usize, shares: (f64, f64)) -> PlannedReadin
 fn arranged(readings: &[PlannedReading], like: &[usize]) -> Rows {
     let weights = readings.iter().map(|reading| 1.0 + 0.25 * reading.stack as f64);
     let intensities = readings.iter().map(|reading| 0.1 * (reading.lamella + 2 * reading.lobe) as f64);
-    let mut rows = Rows::of_data(weights, intensities);
+    let mut rows = Rows::of_data(weights.zip(intensities));
     rows.arrange(readings, like);
     rows
 }
