@@ -99,18 +99,36 @@ impl Estimate {
         }
     }
 
-    /// Marks a value on a bound that fits as well at the values `inside`: told on one side, or on none if they reach the other bound.
-    pub(crate) fn open_from_bound(&mut self, inside: &[f64], noticeable: f64) {
+    /// Marks a value on a bound that fits as well elsewhere, at values some of which lie inside: told on one side, or on none if they
+    /// reach the other bound. The interval is the range of these values.
+    pub(crate) fn open_from_bound(&mut self, elsewhere: &[f64], noticeable: f64) {
         let (Some(value), Some([lower, upper])) = (self.value, self.bounds) else { return };
-        let (least, most) = inside.iter().fold((value, value), |(least, most), &x| (least.min(x), most.max(x)));
-        if most - least <= noticeable {
+        let is_inside = |x: &f64| x - lower > noticeable && upper - x > noticeable;
+        if !elsewhere.iter().any(is_inside) {
             return;
         }
+        let (least, most) = elsewhere.iter().fold((value, value), |(least, most), &x| (least.min(x), most.max(x)));
         self.others.clear();
         self.status = Status::OneSided;
         let interval = [(least > lower + noticeable).then_some(least), (most < upper - noticeable).then_some(most)];
         (self.interval_68, self.interval_95) = (Some(interval), Some(interval));
         self.mark_open_ends();
+    }
+
+    /// Share of the bounds within a quantile of the value or of another that fits.
+    pub(crate) fn covered(&self, quantile: f64) -> f64 {
+        let (Some(value), Some(sigma), Some([lower, upper])) = (self.value, self.sigma, self.bounds) else {
+            return 0.0;
+        };
+        let mut all: Vec<f64> = self.others.iter().copied().chain([value]).collect();
+        all.sort_by(f64::total_cmp);
+        let (mut covered, mut end) = (0.0, lower);
+        for at in all {
+            let (low, high) = ((at - quantile * sigma).max(end), (at + quantile * sigma).min(upper));
+            covered += (high - low).max(0.0);
+            end = end.max(high);
+        }
+        covered / (upper - lower)
     }
 
     /// Takes back a value whose interval is open on both sides, and marks one that is on one.
@@ -177,6 +195,30 @@ mod tests {
         assert_eq!(hardly.interval_95.unwrap()[0], Some(7.5));
         assert_eq!(hardly.interval_68, before.interval_68);
         assert_eq!(allowing(Status::Ok, &[Elsewhere { value: 9.0, gap: 4.0 }]), before);
+    }
+
+    #[test]
+    fn a_value_on_a_bound_is_open_as_far_as_others_fit_and_some_lie_inside() {
+        let on_bound = |elsewhere: &[f64]| {
+            let mut estimate = Estimate::new(20.0, "deg");
+            (estimate.bounds, estimate.status) = (Some([0.0, 20.0]), Status::AtBound);
+            estimate.open_from_bound(elsewhere, 0.1);
+            (estimate.status, estimate.interval_95)
+        };
+        assert_eq!(on_bound(&[]), (Status::AtBound, None));
+        assert_eq!(on_bound(&[19.95]), (Status::AtBound, None));
+        // The mirror image on the other bound, and nothing between.
+        assert_eq!(on_bound(&[0.0]), (Status::AtBound, None));
+        assert_eq!(on_bound(&[17.0, 12.0]), (Status::OneSided, Some([Some(12.0), None])));
+        assert_eq!(on_bound(&[10.0, 0.0]), (Status::NotIdentifiable, None));
+    }
+
+    #[test]
+    fn what_is_covered_is_counted_once() {
+        let (mut estimate, _) = ten(Status::Ambiguous);
+        assert_relative_eq!(estimate.covered(2.0), 4.0 / 20.0);
+        estimate.others = vec![11.0, 20.0];
+        assert_relative_eq!(estimate.covered(2.0), 7.0 / 20.0);
     }
 
     /// Four standard deviations off, but by less than matters.

@@ -19,6 +19,8 @@ use crate::uncertainty::covariance::{correlation, covariance};
 use crate::uncertainty::discrepancy::Spread;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+/// An ambiguous value whose answers cover more than this share of the bounds is none.
+const ALL: f64 = 0.8;
 /// A correlation beyond this is a status of its own.
 const CORRELATED: f64 = 0.99;
 /// A value at another minimum is another value only if it lies off by more than this share of a change that matters.
@@ -157,6 +159,12 @@ impl Uncertainty {
         if count > 0.0 { f64::exp(logarithms / count) } else { 1.0 }
     }
 
+    /// What is held, and what ended on a bound, unless the model misses the data: it may do so because of its bounds.
+    fn open<'a>(&self, found: &Found<'a>) -> impl Iterator<Item = &'a Held> {
+        let stopped = if self.misses { &[] } else { found.solution.stopped.as_slice() };
+        found.held.iter().chain(stopped)
+    }
+
     /// Makes the covariance that the estimates have in common, of the covariance at the best point, what the model's misses add, and
     /// what moves along each held parameter: the way to the one of its other values that is the most standard deviations off, spread
     /// evenly. Once, after [`Uncertainty::widen`].
@@ -179,7 +187,7 @@ impl Uncertainty {
         };
         if let Some(factors) = Cholesky::new(common.clone()) {
             let deviations = |moved: &DVector<f64>| moved.dot(&factors.solve(moved));
-            for held in found.solution.open() {
+            for held in self.open(found) {
                 let others = held.elsewhere.iter().map(moved);
                 if let Some(farthest) = others.max_by(|a, b| deviations(a).total_cmp(&deviations(b))) {
                     common += &farthest * farthest.transpose() / 3.0;
@@ -200,7 +208,7 @@ impl Uncertainty {
             along[c] = (0..COUNT).map(|row| gradient[row] * to_free[(row, column)]).sum();
         }
         let added = self.spread.as_ref().map_or(0.0, |spread| spread.variance(&DVector::from_column_slice(gradient)));
-        let even: f64 = found.solution.open().map(|held| shift(held, gradient, found).powi(2) / 3.0).sum();
+        let even: f64 = self.open(found).map(|held| shift(held, gradient, found).powi(2) / 3.0).sum();
         (along.amax() > 0.0).then(|| (matrix * &along).dot(&along).max(0.0) + added + even)
     }
 
@@ -255,8 +263,9 @@ impl Uncertainty {
             estimate.stopped_at_bound(&elsewhere, noticeable);
             let own =
                 found.solution.stopped.iter().filter(|stopped| !self.misses && stopped.direction[0].0 == parameter);
-            let inside: Vec<f64> = own.flat_map(|stopped| &stopped.elsewhere).map(value).collect();
-            estimate.open_from_bound(&inside, noticeable);
+            let mut others: Vec<f64> = own.flat_map(|stopped| &stopped.elsewhere).map(value).collect();
+            others.extend(elsewhere.iter().map(|other| other.value));
+            estimate.open_from_bound(&others, noticeable);
             return estimate;
         }
         let variance = self.variance(&gradient, found);
@@ -269,9 +278,7 @@ impl Uncertainty {
             }
         }
         estimate.allow_for(&elsewhere(found, self.unit, value), noticeable, &self.quantiles);
-        // Of thicknesses the several answers are worth telling, though they lie all over the bounds.
-        let is_thickness = matches!(parameter, Parameter::DAir | Parameter::DCuticle);
-        if estimate.status == Status::Ambiguous && estimate.interval_95 == Some([None, None]) && !is_thickness {
+        if estimate.status == Status::Ambiguous && estimate.covered(self.quantiles.ninety_five) > ALL {
             estimate.withdraw();
         }
         estimate
@@ -384,7 +391,7 @@ impl Uncertainty {
         };
         // A parameter that acts as a scale, or that has other values which fit, was held at some value, and the scale with it.
         let moves = |held: &Held| held.absorbed && held.direction.len() == 1 || !held.elsewhere.is_empty();
-        let conditional = found.solution.open().any(moves);
+        let conditional = self.open(found).any(moves);
         (found.linear.columns.iter().enumerate())
             .map(|(i, column)| NuisanceFound {
                 name: column_name(column, found.data),

@@ -119,7 +119,11 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let mut warnings = Vec::new();
     if by_chance {
         warnings.push(if verdict == Verdict::Given {
-            "the data cannot tell the given structure from a constant".to_owned()
+            if gain < -by_luck {
+                "a constant describes the data better than the given structure".to_owned()
+            } else {
+                "the data cannot tell the given structure from a constant".to_owned()
+            }
         } else if found.settings.search == Search::Local {
             "the minimum next to the start explains nothing of the data: give a better start, or search everywhere"
                 .to_owned()
@@ -148,7 +152,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         } else {
             wording::missed(missed, bent, widened_by)
         });
-        warnings.push(warnings::may_help(found));
+        warnings.push(warnings::may_help(found, verdict));
     }
     if missed || by_chance {
         warnings.extend(warnings::outlier(found, &readings, chi2));

@@ -6,7 +6,7 @@ use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::problem::Problem;
 use crate::inversion::search::{APART, FINE};
 use crate::inversion::space::Space;
-use crate::optimise::{BoundsError, Minimum, minimise};
+use crate::optimise::{BoundsError, LeastSquares, Minimum, minimise};
 use crate::uncertainty::identifiability::Identifiability;
 use nalgebra::DVector;
 
@@ -135,8 +135,8 @@ pub(crate) fn hold_undetermined(
         best = minimise(&problem, &space.freedom.restrict(&values), FINE);
         // Its slope is 0, as at a symmetry, or so small that the noise hides it: the others move with it either way. A lobe or a
         // width that only acts as a scale does moves nothing but the scale; a tilt does so at one place, and the phases elsewhere.
-        let moves = !absorbed || deviation.is_finite() || parameter == Parameter::Delta;
-        let elsewhere = match walked(&direction).filter(|&walked| moves && compiled.plan.sees(walked)) {
+        let moves = |walked| !absorbed || deviation.is_finite() || walked == Parameter::Delta;
+        let elsewhere = match walked(&direction).filter(|&walked| moves(walked) && compiled.plan.sees(walked)) {
             Some(walked) => {
                 let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
                 elsewhere(compiled, robust, walked, &values, most)
@@ -146,8 +146,10 @@ pub(crate) fn hold_undetermined(
         held.push(Held { direction, deviation, absorbed, elsewhere });
     }
     let dof = compiled.plan.len().saturating_sub(space.freedom.free.len() + compiled.linear.columns.len());
-    let unit = unit_of_residuals(compiled.data, best.sum_of_squares(), dof);
-    let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
+    // Under a robust loss a minimum's own residuals may be those of the loss.
+    let sum = Problem::new(compiled, &space, robust).residuals(&best.parameters).norm_squared();
+    let unit = unit_of_residuals(compiled.data, sum, dof);
+    let most = sum + compiled.settings.level * unit * unit;
     let values = space.freedom.expand(&best.parameters);
     let on_a_bound = (0..space.freedom.free.len()).filter(|&j| {
         let at = best.parameters[j];

@@ -4,7 +4,7 @@ use crate::dataset::Reading;
 use crate::inversion::elsewhere::as_good;
 use crate::inversion::estimates::Found;
 use crate::inversion::nuisance::Extent;
-use crate::inversion::outcome::{Estimate, FittedReading, Status};
+use crate::inversion::outcome::{Estimate, FittedReading, Status, Verdict};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 
 /// A reading with more than this share of chi² is named.
@@ -22,7 +22,7 @@ pub(crate) fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) 
 }
 
 /// What to try where the model misses the data.
-pub(crate) fn may_help(found: &Found<'_>) -> String {
+pub(crate) fn may_help(found: &Found<'_>, verdict: Verdict) -> String {
     let nuisances = &found.settings.nuisances;
     let fixed = |role: &Role| matches!(role, Role::Fixed { .. });
     let tries = [
@@ -31,7 +31,8 @@ pub(crate) fn may_help(found: &Found<'_>) -> String {
             nuisances.scale != Extent::PerCurve && found.data.curves().len() > 1,
             "curves that were scaled one by one (--scale per-curve)",
         ),
-        (found.settings.roles.iter().any(fixed), "what was fixed (leave it free)"),
+        (nuisances.scale == Extent::None, "readings that are no reflectivities (--scale shared)"),
+        (verdict != Verdict::Given && found.settings.roles.iter().any(fixed), "what was fixed (leave it free)"),
         (true, "an index that is off (morpho-fit constant)"),
     ];
     let tries: Vec<&str> = tries.iter().filter(|(may, _)| *may).map(|(_, text)| *text).collect();

@@ -10,12 +10,12 @@ const SAME: f64 = 0.02;
 pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     let names: Vec<&str> = held.direction.iter().map(|(parameter, _)| parameter.name()).collect();
     match held.direction.as_slice() {
-        [(parameter, _)] if held.deviation.is_infinite() && held.absorbed => {
-            format!("{parameter} cannot be told: in these data it acts as a scale does")
-        }
         [(parameter, _)] if held.deviation.is_infinite() && !held.elsewhere.is_empty() => format!(
             "{parameter} cannot be told: other values of it fit as well; the intervals of the others allow for those that do"
         ),
+        [(parameter, _)] if held.deviation.is_infinite() && held.absorbed => {
+            format!("{parameter} cannot be told: in these data it acts as a scale does")
+        }
         [(parameter, _)] if held.deviation.is_infinite() => {
             format!("{parameter} cannot be told: nothing in the data depends on it")
         }

@@ -15,7 +15,7 @@ const FLAT: f64 = 1e-9;
 /// A neighbour is lower if its sum of squares is, by this share.
 const LOWER: f64 = 1e-9;
 /// An escape that lowers the sum of squares by less than this share of the mean square has gained nothing and is the last: a
-/// hundredth of a standard deviation.
+/// hundredth of a standard deviation where the model fits.
 const NOTHING: f64 = 1e-4;
 /// Distances of neighbours in units of the parameters' scales.
 const NEIGHBOURS: [f64; 10] = [1e-1, -1e-1, 1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4, 1e-5, -1e-5];
@@ -84,7 +84,10 @@ pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tol
                 // Along the edge of a kink the way down has no end that a step could find: in the end what it gains is nothing.
                 #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
                 let nothing = NOTHING * before / found.residuals.len().max(1) as f64;
-                if found.termination == Termination::Stalled && before - found.sum_of_squares() <= nothing {
+                if before.is_finite()
+                    && found.termination == Termination::Stalled
+                    && before - found.sum_of_squares() <= nothing
+                {
                     found.termination = Termination::Kink;
                 }
             }

@@ -211,11 +211,9 @@ pub(super) fn correlations(outcome: &FitOutcome) -> String {
     let rows: String = matrix.names.iter().zip(&matrix.rows).enumerate().map(row).collect();
     let table = format!("<table>\n<thead><tr><td></td>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n");
     let mut html = scrolled("scroll", "Correlations", &table);
-    if !outcome.identifiability.undetermined.is_empty() {
-        html.push_str(&element(
-            "p",
-            "What is not determined is held; that the others move along it is allowed for, but not for the scales.",
-        ));
+    if outcome.nuisance.iter().any(|nuisance| nuisance.conditional) {
+        let words = "Where other values of what is held fit, the parameters allow for them, the scales do not.";
+        html.push_str(&element("p", words));
     }
     html
 }
