@@ -6,7 +6,7 @@ use morpho_fit::inversion::{
     Weight, fit,
 };
 use morpho_fit::optics::{BlendModel, IndexTable, Material, Stack, Structure};
-use morpho_fit::optimise::Loss;
+use morpho_fit::optimise::{Loss, Termination};
 use morpho_fit::synthetic::{Scan, linspace, simulate};
 use morpho_fit::units::radians;
 
@@ -236,6 +236,20 @@ fn signs_are_asked_about_only_where_there_are_any() {
         let hint = found.warnings.iter().any(|warning| warning.contains("the other way round"));
         assert_eq!(hint, asked, "{:?}", found.warnings);
     }
+}
+
+/// The minimum lies on the edge of the lobe, along which no step finds an end: it was reported as none.
+#[test]
+fn a_minimum_on_a_kink_is_one() {
+    let delta = radians(2.950_528_305_599_594_3);
+    let (d_air, d_cuticle, lamella_width) = (104.681_356_790_100_38, 148.270_416_437_266_22, 308.772_638_924_993_95);
+    let truth = Structure { d_air, d_cuticle, delta, phi_alpha: 0.407_519_093_743_043_24, lamella_width };
+    let scans = [Scan::spectrum(90.0), Scan::angular(400.0, 45.0)];
+    let data = simulate(&BlendModel::default(), &truth, &scans, 1.0, 0.01, 54).unwrap();
+    let found = quiet(&data, &FitSettings::default()).outcome;
+    assert_eq!((found.verdict, found.termination), (Verdict::Determined, Termination::Kink));
+    let off = (found.parameters.d_air.value.unwrap() - d_air).abs();
+    assert!(off < 3.0 * found.parameters.d_air.sigma.unwrap(), "{off}");
 }
 
 #[test]

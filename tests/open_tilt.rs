@@ -49,7 +49,7 @@ fn a_tilt_that_acts_as_a_scale_at_one_place_moves_the_layers_elsewhere() {
     let (d_air, d_cuticle) = (120.0, 72.0);
     let truth = Structure { d_air, d_cuticle, delta: radians(4.0), phi_alpha: 0.6, lamella_width: 250.0 };
     let scan = Scan { wavelengths: linspace(400.0, 700.0, 7), ..Scan::spectrum(90.0) };
-    let (mut held, mut fits) = (0, 0);
+    let (mut held, mut narrow, mut fits) = (0, 0, 0);
     for seed in 0..40 {
         let data = simulate(&BlendModel::default(), &truth, std::slice::from_ref(&scan), 1.0, 0.01, seed).unwrap();
         let found = told(&data, &FitSettings::default());
@@ -58,8 +58,11 @@ fn a_tilt_that_acts_as_a_scale_at_one_place_moves_the_layers_elsewhere() {
         let sum = d_air + 1.56 * d_cuticle;
         fits += 1;
         held += usize::from(low.is_none_or(|low| low <= sum) && high.is_none_or(|high| sum <= high));
+        // All tilts within the bounds move the sum by 3 nm.
+        narrow += usize::from(low.zip(high).is_some_and(|(low, high)| high - low < 7.0));
     }
     assert!(fits >= 35 && held >= fits - 2, "{held} of {fits}");
+    assert!(narrow * 10 >= fits * 9, "{narrow} of {fits}");
 }
 
 /// Without a scale tilt and lobe do as one; along them the layers move as well: with both held the interval left the truth out in 59
