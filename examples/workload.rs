@@ -300,7 +300,7 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
     let clock = Instant::now();
     let found: Vec<FitOutcome> = sets
         .par_iter()
-        .map(|data| fitter.fit(data, &|_| {}).map(|fit| fit.outcome))
+        .map(|data| fitter.outcome(data, &|_| {}))
         .collect::<std::result::Result<_, _>>()?;
     let seconds = clock.elapsed().as_secs_f64();
     let x: Vec<Vec<f64>> = found.iter().map(values).collect();

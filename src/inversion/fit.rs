@@ -10,7 +10,7 @@ use crate::inversion::search::{self, FINE};
 use crate::inversion::settings::{FitSettings, Search, SettingsError};
 use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
-use crate::inversion::summary::{Summary, summarise};
+use crate::inversion::summary::{Summary, fitted_readings, summarise};
 use crate::inversion::undetermined::{Undetermined, apart_beyond, hold_undetermined, unit_of_residuals};
 use crate::optics::OpticsError;
 use crate::optimise::{BoundsError, LeastSquares, Loss, Minimum, minimise};
@@ -162,6 +162,18 @@ pub(crate) fn fit_compiled(
     thin: Option<&Compiled<'_>>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Fit, FitError> {
+    let (mut solution, summary) = solve(compiled, thin, progress)?;
+    let readings = fitted_readings(&Found::new(compiled, &solution), &summary);
+    solution.unit = summary.unit;
+    Ok(Fit { outcome: summary.outcome, readings, solution })
+}
+
+/// What is said of the fit of compiled data, with where it ended.
+pub(crate) fn solve(
+    compiled: &Compiled<'_>,
+    thin: Option<&Compiled<'_>>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<(Solution, Summary), FitError> {
     let (data, settings) = (compiled.data, compiled.settings);
     let searched = Space::new(&settings.roles)?;
     let (readings, parameters) = (compiled.plan.len(), searched.freedom.free.len());
@@ -187,12 +199,10 @@ pub(crate) fn fit_compiled(
     progress("asking what the data determine");
     let Undetermined { held, stopped, space, best } = hold_undetermined(compiled, &robust, &searched, &minima[0])?;
     let minima = apart_beyond(minima, &held, &searched);
-    let mut solution = Solution { searched, space, best, minima, held, stopped, robust, robust_unit, unit: 1.0 };
+    let solution = Solution { searched, space, best, minima, held, stopped, robust, robust_unit, unit: 1.0 };
     let summary = summarise(&Found::new(compiled, &solution));
-    let Summary { outcome, readings, unit } =
-        summary.ok_or(FitError::NowhereFinite { model: compiled.plan.model_name() })?;
-    solution.unit = unit;
-    Ok(Fit { outcome, readings, solution })
+    let summary = summary.ok_or(FitError::NowhereFinite { model: compiled.plan.model_name() })?;
+    Ok((solution, summary))
 }
 
 /// Square roots of the robust weights at the best minimum, and the residual that counts as one standard deviation;

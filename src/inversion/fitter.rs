@@ -2,9 +2,9 @@
 
 use crate::dataset::{Dataset, Reading};
 use crate::inversion::compiled::Compiled;
-use crate::inversion::fit::{FitError, THINNED, check, fit_compiled};
+use crate::inversion::fit::{FitError, THINNED, check, fit_compiled, solve};
 use crate::inversion::nuisance::LinearPart;
-use crate::inversion::outcome::Fit;
+use crate::inversion::outcome::{Fit, FitOutcome};
 use crate::inversion::plan::Plan;
 use crate::inversion::settings::{FitSettings, Search};
 use crate::optics::{OpticsError, ReflectivityModel};
@@ -73,6 +73,22 @@ impl Fitter {
     /// # Errors
     /// As [`fit`](crate::inversion::fit).
     pub fn fit(&self, data: &Dataset, progress: &(dyn Fn(&str) + Sync)) -> Result<Fit, FitError> {
+        self.with_compiled(data, |whole, thinned| fit_compiled(whole, thinned, progress))
+    }
+
+    /// [`Fitter::fit`] without the curves and what further questions need, which a map of many pixels does not keep.
+    ///
+    /// # Errors
+    /// As [`fit`](crate::inversion::fit).
+    pub fn outcome(&self, data: &Dataset, progress: &(dyn Fn(&str) + Sync)) -> Result<FitOutcome, FitError> {
+        self.with_compiled(data, |whole, thinned| solve(whole, thinned, progress).map(|(_, summary)| summary.outcome))
+    }
+
+    fn with_compiled<T>(
+        &self,
+        data: &Dataset,
+        ask: impl FnOnce(&Compiled<'_>, Option<&Compiled<'_>>) -> Result<T, FitError>,
+    ) -> Result<T, FitError> {
         check(data)?;
         let known = self.design.read().ok().and_then(|design| design.clone()).filter(|design| design.is_of(data));
         let design = match known {
@@ -86,7 +102,7 @@ impl Fitter {
             }
         };
         let of = |part: &Part| part.with(data, &self.settings);
-        fit_compiled(&of(&design.whole), design.thinned.as_ref().map(of).as_ref(), progress)
+        ask(&of(&design.whole), design.thinned.as_ref().map(of).as_ref())
     }
 }
 
@@ -106,7 +122,10 @@ impl Design {
     fn is_of(&self, data: &Dataset) -> bool {
         self.curves == data.curves().len()
             && self.keys.len() == data.readings().len()
-            && self.keys.iter().zip(data.readings()).all(|(own, other)| *own == key(other))
+            // Bit by bit without a branch: a comparison of arrays would be a call for each reading.
+            && self.keys.iter().zip(data.readings()).all(|(own, other)| {
+                own.iter().zip(key(other)).fold(0, |unlike, (own, other)| unlike | (own ^ other)) == 0
+            })
     }
 }
 
@@ -164,6 +183,8 @@ mod tests {
                 let (alone, together) = (fit(data, &settings, &|_| {}).unwrap(), fitter.fit(data, &|_| {}).unwrap());
                 assert_eq!(format!("{:?}", alone.outcome), format!("{:?}", together.outcome));
                 assert_eq!(alone.readings, together.readings);
+                let outcome = fitter.outcome(data, &|_| {}).unwrap();
+                assert_eq!(format!("{outcome:?}"), format!("{:?}", together.outcome));
             }
         }
     }

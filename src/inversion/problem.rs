@@ -102,11 +102,25 @@ impl<'a> Problem<'a> {
     }
 
     fn residuals_at(&self, point: &Evaluation) -> DVector<f64> {
+        self.residuals_of(&point.parts, &self.weighted, &point.coefficients)
+    }
+
+    /// The residuals at `point` without the weights of a robust loss.
+    pub(crate) fn plain_residuals(&self, point: &Evaluation) -> DVector<f64> {
+        let plain = self.plan.rows.weighted(&[]);
+        if let Cow::Borrowed(_) = self.weighted.weights {
+            return self.residuals_at(point);
+        }
+        let parts = self.plan.rows.parts(point.terms.view(), &plain.weights);
+        self.residuals_of(&parts, &plain, &point.coefficients)
+    }
+
+    fn residuals_of(&self, parts: &WeightedParts, weighted: &Weighted<'_>, coefficients: &DVector<f64>) -> DVector<f64> {
         let mut residuals = DVector::zeros(self.plan.len());
         for (curve, span) in self.plan.rows.spans() {
-            let of = [&point.parts.lamella[..], &point.parts.multilayer[..]].map(|values| &values[span.clone()]);
-            let data = [&self.weighted.weights[..], &self.weighted.intensities[..]].map(|values| &values[span.clone()]);
-            let factors = self.linear.factors(*curve, &point.coefficients);
+            let of = [&parts.lamella[..], &parts.multilayer[..]].map(|values| &values[span.clone()]);
+            let data = [&weighted.weights[..], &weighted.intensities[..]].map(|values| &values[span.clone()]);
+            let factors = self.linear.factors(*curve, coefficients);
             rows::residuals(&mut residuals.as_mut_slice()[span.clone()], factors, of, data);
         }
         residuals

@@ -1,7 +1,7 @@
 //! What the residuals of a fit look like: whether neighbours agree, over all and in each curve.
 
 use crate::inversion::estimates::Found;
-use crate::inversion::outcome::{CurveResiduals, FittedReading};
+use crate::inversion::outcome::CurveResiduals;
 use crate::numerics::dot::dot;
 use crate::uncertainty::discrepancy::{ResidualTests, residual_tests};
 use crate::uncertainty::goodness::excess;
@@ -25,14 +25,14 @@ impl Neighbours {
     }
 }
 
-/// The residuals of each curve in the order of the data, in standard deviations.
-pub(crate) fn by_curve(found: &Found<'_>, readings: &[FittedReading]) -> Vec<Vec<f64>> {
+/// The residuals of each curve in the order of the data, over `unit`.
+pub(crate) fn by_curve(found: &Found<'_>, residuals: &[f64], unit: f64) -> Vec<Vec<f64>> {
     if found.plan.curves == 1 {
-        return vec![readings.iter().map(|fitted| fitted.normalised).collect()];
+        return vec![residuals.iter().map(|residual| residual / unit).collect()];
     }
     let mut curves: Vec<Vec<f64>> = vec![Vec::new(); found.plan.curves];
-    for (planned, fitted) in found.plan.readings().iter().zip(readings) {
-        curves[planned.curve].push(fitted.normalised);
+    for (planned, residual) in found.plan.readings().iter().zip(residuals) {
+        curves[planned.curve].push(residual / unit);
     }
     curves
 }

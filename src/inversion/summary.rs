@@ -43,8 +43,10 @@ const CHANCE: f64 = 30.0;
 /// What is said of a minimum.
 pub(crate) struct Summary {
     pub(crate) outcome: FitOutcome,
-    pub(crate) readings: Vec<FittedReading>,
-    /// Standard deviation of a weighted residual, widened where the model misses the data.
+    point: Evaluation,
+    /// Standard deviation of a weighted residual.
+    scatter: f64,
+    /// The same, widened where the model misses the data.
     pub(crate) unit: f64,
 }
 
@@ -52,34 +54,30 @@ pub(crate) struct Summary {
 pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let problem = Problem::new(found.compiled, found.space, found.robust);
     let point = problem.evaluate(&found.best.parameters)?;
-    let mut readings = fitted_readings(found, &point);
-    let weighted: Vec<f64> =
-        readings.iter().zip(found.plan.rows.weights()).map(|(fitted, weight)| fitted.residual * weight).collect();
-    let chi2 = dot(&weighted, &weighted);
+    let weighted = problem.plain_residuals(&point);
+    let weighted = weighted.as_slice();
+    let chi2 = dot(weighted, weighted);
     let in_use: Vec<usize> = (0..point.coefficients.len()).filter(|&i| point.coefficients[i] > 0.0).collect();
     let unknowns = found.space.freedom.free.len() + in_use.len();
     let dof = found.plan.len().saturating_sub(unknowns);
-    let robust = robust(found, &readings, dof);
-    let unit = match &robust {
+    let robust = robust(found, weighted, dof);
+    let scatter = match &robust {
         #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
         Some(robust) => unit_of_residuals(found.data, robust.unit.powi(2) * dof as f64, dof),
         None => unit_of_residuals(found.data, chi2, dof),
     };
-    for (weighted, fitted) in weighted.iter().zip(&mut readings) {
-        fitted.normalised = weighted / unit;
-    }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
     let reduced = if dof > 0 { chi2 / dof as f64 } else { f64::NAN };
     let comparable = found.data.has_sigma() && found.settings.loss == Loss::Linear;
     let missed = comparable && excess(chi2, dof) > MISSED;
     let by_misfit = if missed { reduced.sqrt() } else { 1.0 };
-    let residuals = by_curve(found, &readings);
+    let residuals = by_curve(found, weighted, scatter);
     let correlation_of_residuals = neighbours(&residuals);
     // Residuals far below the stated noise, or below rounding, are not the model's: they have no say.
-    let told = if found.data.has_sigma() { reduced > UNHEARD } else { unit > ROUNDING * found.data.largest() };
+    let told = if found.data.has_sigma() { reduced > UNHEARD } else { scatter > ROUNDING * found.data.largest() };
     let tests = tests_by_curve(&residuals);
     // Residuals a little larger than stated that look like noise are noise: a factor mends it.
-    let noise = is_noise(&tests, reduced / (unit * unit));
+    let noise = is_noise(&tests, reduced / (scatter * scatter));
     let structured = told && (correlation_of_residuals.deviations > STRUCTURED || !noise);
     let loud = missed && noise && reduced > LOUD;
     // One curve beyond its noise, among others that fit, is lost in the sum over all.
@@ -90,7 +88,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         (false, true) => SigmaSource::Stated,
         (false, false) => SigmaSource::Scatter,
     };
-    let (plain_unit, unit) = (unit * by_misfit, unit * by_misfit * by_structure);
+    let (plain_unit, unit) = (scatter * by_misfit, scatter * by_misfit * by_structure);
     let mut uncertainty = Uncertainty::new(found, &problem, &point, &in_use, unit, dof, sigma_source);
     let bent = structured || loud || lone.is_some() || (missed && !noise);
     let by_spread =
@@ -155,7 +153,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         warnings.push(warnings::may_help(found, verdict));
     }
     if missed || by_chance {
-        warnings.extend(warnings::outlier(found, &readings, chi2));
+        warnings.extend(warnings::outlier(found, weighted, chi2));
     }
     if !by_chance {
         warnings.extend(identifiability.undetermined.iter().cloned());
@@ -204,7 +202,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         },
         choice: None,
     };
-    Some(Summary { outcome, readings, unit })
+    Some(Summary { outcome, point, scatter, unit })
 }
 
 /// What a robust loss makes of the residuals.
@@ -225,21 +223,21 @@ struct Robust {
 ///
 /// # Source
 /// Huber 1981, *Robust Statistics*, §7.6, equation 6.5.
-fn robust(found: &Found<'_>, readings: &[FittedReading], dof: usize) -> Option<Robust> {
+fn robust(found: &Found<'_>, weighted: &[f64], dof: usize) -> Option<Robust> {
     let (loss, scale) = (found.settings.loss, found.robust_unit);
     if loss == Loss::Linear {
         return None;
     }
     let (mut rho, mut pull, mut weight, mut slope) = (0.0, 0.0, 0.0, 0.0);
-    for (fitted, own) in readings.iter().zip(found.plan.rows.weights()) {
-        let z = fitted.residual * own / scale;
+    for weighted in weighted {
+        let z = weighted / scale;
         rho += loss.rho(z);
         pull += (z * loss.weight(z)).powi(2);
         weight += loss.weight(z);
         slope += loss.influence_slope(z);
     }
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
-    let (n, dof) = (readings.len() as f64, dof.max(1) as f64);
+    let (n, dof) = (weighted.len() as f64, dof.max(1) as f64);
     // Far outliers have a falling pull; if most are, the formula ends and the weights alone stand.
     let slope = (slope / n).max(0.1 * weight / n);
     Some(Robust { cost: scale * scale * rho, unit: scale * (pull / dof * (weight / n)).sqrt() / slope })
@@ -263,17 +261,20 @@ fn about_constants(found: &Found<'_>) -> f64 {
     sums.iter().filter(|sum| sum.0 > 0.0).map(|(w, wy, yy)| yy - wy * wy / w).sum()
 }
 
-fn fitted_readings(found: &Found<'_>, point: &Evaluation) -> Vec<FittedReading> {
-    let (terms, curves) = (point.terms.view(), 0..found.plan.curves);
+/// A row for each reading.
+pub(crate) fn fitted_readings(found: &Found<'_>, summary: &Summary) -> Vec<FittedReading> {
+    let Summary { point, scatter, .. } = summary;
+    let (terms, curves, rows) = (point.terms.view(), 0..found.plan.curves, &found.plan.rows);
     let factors: Vec<_> = curves.map(|curve| found.linear.factors(curve, &point.coefficients)).collect();
-    (found.plan.readings().iter().zip(found.plan.rows.intensities()))
-        .map(|(reading, intensity)| {
+    (found.plan.readings().iter().zip(rows.intensities()).zip(rows.weights()))
+        .map(|((reading, intensity), weight)| {
             let parts = found.plan.parts(reading, terms);
             let (on_a, on_b, background) = factors[reading.curve];
             let (lamella, multilayer) = (on_a * parts.0, on_b * parts.1);
             let model = lamella + multilayer + background;
             let residual = intensity - model;
-            FittedReading { model, residual, normalised: f64::NAN, lamella, multilayer, background }
+            let normalised = residual * weight / scatter;
+            FittedReading { model, residual, normalised, lamella, multilayer, background }
         })
         .collect()
 }

@@ -147,7 +147,11 @@ pub(crate) fn hold_undetermined(
     }
     let dof = compiled.plan.len().saturating_sub(space.freedom.free.len() + compiled.linear.columns.len());
     // Under a robust loss a minimum's own residuals may be those of the loss.
-    let sum = Problem::new(compiled, &space, robust).residuals(&best.parameters).norm_squared();
+    let sum = if robust.is_empty() {
+        best.sum_of_squares()
+    } else {
+        Problem::new(compiled, &space, robust).residuals(&best.parameters).norm_squared()
+    };
     let unit = unit_of_residuals(compiled.data, sum, dof);
     let most = sum + compiled.settings.level * unit * unit;
     let values = space.freedom.expand(&best.parameters);

@@ -4,16 +4,15 @@ use crate::dataset::Reading;
 use crate::inversion::elsewhere::as_good;
 use crate::inversion::estimates::Found;
 use crate::inversion::nuisance::Extent;
-use crate::inversion::outcome::{Estimate, FittedReading, Status, Verdict};
+use crate::inversion::outcome::{Estimate, Status, Verdict};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 
 /// A reading with more than this share of chi² is named.
 const OUTLIER: f64 = 0.5;
 
 /// A warning if one reading makes up most of chi².
-pub(crate) fn outlier(found: &Found<'_>, readings: &[FittedReading], chi2: f64) -> Option<String> {
-    let sizes = readings.iter().zip(found.plan.rows.weights()).map(|(fitted, weight)| fitted.residual.abs() * weight);
-    let (worst, size) = sizes.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+pub(crate) fn outlier(found: &Found<'_>, weighted: &[f64], chi2: f64) -> Option<String> {
+    let (worst, size) = weighted.iter().map(|residual| residual.abs()).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let line = found.data.readings()[worst].line;
     let place = if line > 0 { format!("line {line}") } else { format!("reading {}", worst + 1) };
     (size.powi(2) > OUTLIER * chi2).then(|| {
