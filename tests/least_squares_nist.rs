@@ -129,7 +129,7 @@ fn many_starts_find_all_54_with_standard_errors_right_on_at_least_52() {
             assert!(best.termination.was_successful(), "{}: {:?}", problem.name, best.termination);
 
             #[allow(clippy::cast_precision_loss, reason = "a few hundred readings")]
-            let variance = best.sum_of_squares() / problem.degrees_of_freedom as f64;
+            let variance = best.sum_of_squares / problem.degrees_of_freedom as f64;
             let covariance = covariance(&best.triangle).unwrap();
             let errors = DVector::from_fn(best.parameters.len(), |j, _| (covariance[(j, j)] * variance).sqrt());
             // Put in order as the parameters were: by their values, not by those of the errors.
@@ -207,7 +207,7 @@ fn traps_end_in_a_published_minimum_or_are_not_called_a_success() {
             if !found.termination.was_successful() {
                 continue;
             }
-            let sum = found.sum_of_squares();
+            let sum = found.sum_of_squares;
             let known = problem.minima.iter().find(|minimum| {
                 let minimum_is = matches!(minimum.kind, MinimumKind::Global | MinimumKind::Local);
                 minimum_is && (sum - minimum.sum_of_squares).abs() <= 1e-6 * minimum.sum_of_squares + 1e-12
@@ -225,7 +225,7 @@ fn standard_starts_reach_their_global_minimum() {
             continue;
         }
         let found = minimise_trap(&problem, 1.0);
-        let (sum, global) = (found.sum_of_squares(), problem.global_minimum());
+        let (sum, global) = (found.sum_of_squares, problem.global_minimum());
         assert!((sum - global).abs() <= 1e-6 * global + 1e-12, "{}: {sum} for {global}", problem.name);
     }
 }
@@ -234,7 +234,7 @@ fn standard_starts_reach_their_global_minimum() {
 fn the_local_minimum_of_freudenstein_and_roth_is_the_published_one() {
     let problems = more_garbow_hillstrom::problems();
     let problem = problems.iter().find(|problem| problem.name.starts_with("Freudenstein")).unwrap();
-    assert!((minimise_trap(problem, 1.0).sum_of_squares() - 48.984_253_679).abs() < 1e-6);
+    assert!((minimise_trap(problem, 1.0).sum_of_squares - 48.984_253_679).abs() < 1e-6);
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn bounds_hold_to_the_last_bit_whatever_the_start() {
         assert!(bounds.contain(&found.parameters));
         assert!(*visited.borrow() > 0);
         // The minimum in the box: no feasible step to any side lowers the sum.
-        let sum = found.sum_of_squares();
+        let sum = found.sum_of_squares;
         for step in [[1e-5, 0.0], [-1e-5, 0.0], [0.0, 1e-5], [0.0, -1e-5]] {
             let moved = bounds.clamp(&(&found.parameters + DVector::from_column_slice(&step)));
             let there = DVector::from_vec((objective.residuals)(moved.as_slice())).norm_squared();

@@ -125,7 +125,7 @@ pub(crate) fn laplace(
 ) -> Option<(DMatrix<f64>, f64)> {
     let covariance = regularised(&(&minimum.triangle / unit), ranges)?;
     let volume: f64 = covariance.clone().cholesky()?.l().diagonal().iter().map(|side| side.ln()).sum();
-    let behind = (minimum.sum_of_squares() - best.sum_of_squares()) / (unit * unit);
+    let behind = (minimum.sum_of_squares - best.sum_of_squares) / (unit * unit);
     Some((covariance, volume - 0.5 * behind))
 }
 
@@ -156,8 +156,8 @@ pub(crate) fn weights(minima: &[Minimum], ranges: &DVector<f64>, unit: f64) -> V
 
 /// Puts the likeliest of the minima that fit exactly as well first: which of them is lower is rounding.
 pub(crate) fn likeliest_first(minima: &mut [Minimum], ranges: &DVector<f64>, unit: f64) {
-    let best = minima.first().map_or(0.0, Minimum::sum_of_squares);
-    let tied = minima.iter().take_while(|one| one.sum_of_squares() - best <= TIED * unit * unit).count();
+    let best = minima.first().map_or(0.0, |minimum| minimum.sum_of_squares);
+    let tied = minima.iter().take_while(|one| one.sum_of_squares - best <= TIED * unit * unit).count();
     if tied < 2 {
         return;
     }
@@ -182,9 +182,9 @@ pub(crate) fn listed(
     let weights = weights(minima, &space.ranges, unit);
     let of = |(place, (minimum, weight)): (usize, (&Minimum, f64))| {
         let values = space.freedom.expand(&minimum.parameters);
-        let delta_chi2 = (minimum.sum_of_squares() - first.sum_of_squares()) / (unit * unit);
+        let delta_chi2 = (minimum.sum_of_squares - first.sum_of_squares) / (unit * unit);
         MinimumFound {
-            chi2: minimum.sum_of_squares(),
+            chi2: minimum.sum_of_squares,
             delta_chi2,
             fits: delta_chi2 <= level,
             weight,
@@ -272,7 +272,7 @@ pub fn chi_square_map(data: &Dataset, fit: &Fit, cells: usize) -> Result<Option<
         let Ok(space) = Space::new(&roles) else { return excess(cell.cost) };
         let problem = Problem::new(&thin, &space, &[]);
         let found = minimise(&problem, &space.bounds.clamp(&space.freedom.restrict(&cell.values)), COARSE);
-        excess(found.sum_of_squares().min(cell.cost).min(moved))
+        excess(found.sum_of_squares.min(cell.cost).min(moved))
     };
     let flat: Vec<f64> = jobs.par_iter().map(least).collect();
     let excess = flat.chunks(cells).map(<[f64]>::to_vec).collect();

@@ -11,8 +11,8 @@ const APART: f64 = 3.0;
 
 /// Minima that fit as well as the best, itself left out.
 pub(crate) fn as_good<'a>(found: &Found<'a>, unit: f64) -> impl Iterator<Item = &'a Minimum> {
-    let (best, level) = (found.minima[0].sum_of_squares(), found.settings.level);
-    found.minima[1..].iter().filter(move |other| other.sum_of_squares() - best <= level * unit * unit)
+    let (best, level) = (found.minima[0].sum_of_squares, found.settings.level);
+    found.minima[1..].iter().filter(move |other| other.sum_of_squares - best <= level * unit * unit)
 }
 
 /// A quantity at another minimum.
@@ -26,10 +26,10 @@ pub(crate) struct Elsewhere {
 
 /// A quantity at the minima that fit as well as the best.
 pub(crate) fn elsewhere(found: &Found<'_>, unit: f64, quantity: impl Fn(&[f64; COUNT]) -> f64) -> Vec<Elsewhere> {
-    let best = found.minima[0].sum_of_squares();
+    let best = found.minima[0].sum_of_squares;
     let of = |minimum: &Minimum| Elsewhere {
         value: quantity(&found.searched.freedom.expand(&minimum.parameters)),
-        gap: (minimum.sum_of_squares() - best) / (unit * unit),
+        gap: (minimum.sum_of_squares - best) / (unit * unit),
     };
     as_good(found, unit).map(of).collect()
 }

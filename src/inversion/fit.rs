@@ -188,12 +188,12 @@ pub(crate) fn solve(
         progress("reweighting outliers");
         reweight(compiled, &searched, &mut minima)
     };
-    minima.retain(|minimum| minimum.sum_of_squares().is_finite());
+    minima.retain(|minimum| minimum.sum_of_squares.is_finite());
     if minima.is_empty() {
         return Err(FitError::NowhereFinite { model: compiled.plan.model_name() });
     }
     if robust.is_empty() {
-        let unit = unit_of_residuals(data, minima[0].sum_of_squares(), readings - unknowns);
+        let unit = unit_of_residuals(data, minima[0].sum_of_squares, readings - unknowns);
         likeliest_first(&mut minima, &searched.ranges, unit);
     }
     progress("asking what the data determine");
@@ -240,8 +240,9 @@ fn reweight(compiled: &Compiled<'_>, space: &Space, minima: &mut [Minimum]) -> (
                 }
                 last = now;
             }
-            minimum.residuals = residuals.map(|r| common * loss.rho(r / common).sqrt());
-            (cost(&residuals), weights, minimum)
+            let cost = cost(&residuals);
+            minimum.sum_of_squares = common * common * cost;
+            (cost, weights, minimum)
         })
         .collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -196,10 +196,10 @@ impl Rival {
     /// Those of a fit, for the case that `truth` is true: where the data leave a direction open they move along with it.
     pub(crate) fn of(solution: &Solution, truth: &Truth, best: &Truth, level: f64) -> Vec<Self> {
         let space = &solution.searched;
-        let least = solution.minima.first().map_or(0.0, Minimum::sum_of_squares);
+        let least = solution.minima.first().map_or(0.0, |minimum| minimum.sum_of_squares);
         let rival = |minimum: &Minimum| {
             let point = space.bounds.clamp(&(&minimum.parameters + (&truth.point - &best.point)));
-            let seen = (minimum.sum_of_squares() - least) / solution.unit.powi(2);
+            let seen = (minimum.sum_of_squares - least) / solution.unit.powi(2);
             Self { values: space.freedom.expand(&point), point, seen, alone: 0.0 }
         };
         let others = solution.minima.iter().skip(1).map(rival);

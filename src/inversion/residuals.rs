@@ -5,6 +5,7 @@ use crate::inversion::outcome::CurveResiduals;
 use crate::numerics::dot::dot;
 use crate::uncertainty::discrepancy::{ResidualTests, residual_tests};
 use crate::uncertainty::goodness::excess;
+use std::borrow::Cow;
 
 /// A correlation beyond this counts as this: the rule for it has no limit.
 const MOST_CORRELATED: f64 = 0.99;
@@ -26,19 +27,19 @@ impl Neighbours {
 }
 
 /// The residuals of each curve in the order of the data, over `unit`.
-pub(crate) fn by_curve(found: &Found<'_>, residuals: &[f64], unit: f64) -> Vec<Vec<f64>> {
-    if found.plan.curves == 1 {
-        return vec![residuals.iter().map(|residual| residual / unit).collect()];
+pub(crate) fn by_curve<'r>(found: &Found<'_>, residuals: &'r [f64], unit: f64) -> Vec<Cow<'r, [f64]>> {
+    if found.plan.curves == 1 && unit.to_bits() == 1.0_f64.to_bits() {
+        return vec![Cow::Borrowed(residuals)];
     }
     let mut curves: Vec<Vec<f64>> = vec![Vec::new(); found.plan.curves];
     for (planned, residual) in found.plan.readings().iter().zip(residuals) {
         curves[planned.curve].push(residual / unit);
     }
-    curves
+    curves.into_iter().map(Cow::Owned).collect()
 }
 
 /// The lag-1 autocorrelation of the residuals of all curves.
-pub(crate) fn neighbours(curves: &[Vec<f64>]) -> Neighbours {
+pub(crate) fn neighbours(curves: &[Cow<'_, [f64]>]) -> Neighbours {
     let squares: f64 = curves.iter().map(|own| dot(own, own)).sum();
     let products: f64 = curves.iter().map(|own| dot(own, own.get(1..).unwrap_or_default())).sum();
     #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
@@ -48,7 +49,7 @@ pub(crate) fn neighbours(curves: &[Vec<f64>]) -> Neighbours {
 }
 
 /// Tests of the residuals of each curve, with its number of readings.
-pub(crate) fn tests_by_curve(curves: &[Vec<f64>]) -> Vec<(ResidualTests, usize)> {
+pub(crate) fn tests_by_curve(curves: &[Cow<'_, [f64]>]) -> Vec<(ResidualTests, usize)> {
     curves.iter().map(|residuals| (residual_tests(residuals), residuals.len())).collect()
 }
 

@@ -57,7 +57,6 @@ pub(crate) struct Rows {
     layout: Arc<Layout>,
     /// `1 / sigma`, or 1 where the data have none.
     weights: Vec<f64>,
-    intensities: Vec<f64>,
     /// Weight times intensity.
     weighted: Vec<f64>,
 }
@@ -152,13 +151,8 @@ impl Rows {
     ///
     /// - `data`: weight and intensity of each.
     pub(crate) fn of_data(data: impl ExactSizeIterator<Item = (f64, f64)>) -> Self {
-        let [mut weights, mut intensities, mut weighted] = [(); 3].map(|()| Vec::with_capacity(data.len()));
-        for (weight, intensity) in data {
-            weights.push(weight);
-            intensities.push(intensity);
-            weighted.push(weight * intensity);
-        }
-        Self { layout: Arc::default(), weights, intensities, weighted }
+        let (weights, weighted) = data.map(|(weight, intensity)| (weight, weight * intensity)).unzip();
+        Self { layout: Arc::default(), weights, weighted }
     }
 
     /// - `like`: for each curve one whose nuisances are the same; their readings make runs together.
@@ -174,11 +168,6 @@ impl Rows {
     /// What multiplies each residual.
     pub(crate) fn weights(&self) -> &[f64] {
         &self.weights
-    }
-
-    /// The data.
-    pub(crate) fn intensities(&self) -> &[f64] {
-        &self.intensities
     }
 
     /// Neighbouring readings of one curve, and which it is.

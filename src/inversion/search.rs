@@ -81,21 +81,21 @@ pub(crate) fn minima(
         let starts = starts_from(thin, space, &cells, effort, &start);
         progress("polishing the best cells");
         let rough = runs(thin, &starts, COARSE);
-        let hopeless = HOPELESS * rough.first().map_or(0.0, Minimum::sum_of_squares);
+        let hopeless = HOPELESS * rough.first().map_or(0.0, |minimum| minimum.sum_of_squares);
         let refined: Vec<DVector<f64>> = (rough.iter().enumerate())
-            .filter(|(place, run)| *place < ALWAYS_REFINED * effort || run.sum_of_squares() < hopeless)
+            .filter(|(place, run)| *place < ALWAYS_REFINED * effort || run.sum_of_squares < hopeless)
             .map(|(_, run)| run.parameters.clone())
             .take(REFINED * effort)
             .collect();
         progress("refining the minima");
         found.extend(runs(compiled, &refined, FINE));
-        let best = found.iter().map(Minimum::sum_of_squares).fold(f64::INFINITY, f64::min);
+        let best = found.iter().map(|minimum| minimum.sum_of_squares).fold(f64::INFINITY, f64::min);
         let dof = compiled.plan.len().saturating_sub(space.freedom.free.len());
         if !compiled.data.has_sigma() || excess(best, dof) < SUSPICIOUS {
             break;
         }
     }
-    if let Some(best) = found.iter().min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares())).cloned() {
+    if let Some(best) = found.iter().min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares)).cloned() {
         found.extend(aliases(compiled, space, &best));
     }
     merge_near(found, &space.scales, APART)

@@ -1,5 +1,6 @@
 //! From a minimum to what is said about it: verdict, warnings, minima, curves.
 
+use crate::dataset::Reading;
 use crate::inversion::atlas::listed;
 use crate::inversion::combinations::combinations;
 use crate::inversion::estimates::{Found, Uncertainty, index_ratio};
@@ -266,8 +267,8 @@ pub(crate) fn fitted_readings(found: &Found<'_>, summary: &Summary) -> Vec<Fitte
     let Summary { point, scatter, .. } = summary;
     let (terms, curves, rows) = (point.terms.view(), 0..found.plan.curves, &found.plan.rows);
     let factors: Vec<_> = curves.map(|curve| found.linear.factors(curve, &point.coefficients)).collect();
-    (found.plan.readings().iter().zip(rows.intensities()).zip(rows.weights()))
-        .map(|((reading, intensity), weight)| {
+    (found.plan.readings().iter().zip(found.data.readings()).zip(rows.weights()))
+        .map(|((reading, Reading { intensity, .. }), weight)| {
             let parts = found.plan.parts(reading, terms);
             let (on_a, on_b, background) = factors[reading.curve];
             let (lamella, multilayer) = (on_a * parts.0, on_b * parts.1);

@@ -114,7 +114,7 @@ pub(crate) fn hold_undetermined(
     for _ in 0..searched.freedom.free.len() {
         let free = &space.freedom.free;
         let dof = compiled.plan.len().saturating_sub(free.len() + compiled.linear.columns.len());
-        let unit = unit_of_residuals(compiled.data, best.sum_of_squares(), dof);
+        let unit = unit_of_residuals(compiled.data, best.sum_of_squares, dof);
         let found = Identifiability::new(&(&best.triangle / unit), &space.ranges);
         let Some(worst) = found.undetermined().last() else { break };
         let step = |&j: &usize| (free[j], worst.components[j] * space.ranges[j]);
@@ -138,7 +138,7 @@ pub(crate) fn hold_undetermined(
         let moves = |walked| !absorbed || deviation.is_finite() || walked == Parameter::Delta;
         let elsewhere = match walked(&direction).filter(|&walked| moves(walked) && compiled.plan.sees(walked)) {
             Some(walked) => {
-                let most = best.sum_of_squares() + compiled.settings.level * unit * unit;
+                let most = best.sum_of_squares + compiled.settings.level * unit * unit;
                 elsewhere(compiled, robust, walked, &values, most)
             }
             None => Vec::new(),
@@ -148,7 +148,7 @@ pub(crate) fn hold_undetermined(
     let dof = compiled.plan.len().saturating_sub(space.freedom.free.len() + compiled.linear.columns.len());
     // Under a robust loss a minimum's own residuals may be those of the loss.
     let sum = if robust.is_empty() {
-        best.sum_of_squares()
+        best.sum_of_squares
     } else {
         Problem::new(compiled, &space, robust).residuals(&best.parameters).norm_squared()
     };
@@ -215,11 +215,11 @@ fn elsewhere(
                 let mut widest = *values;
                 widest[Parameter::PhiAlpha.index()] = upper;
                 let other = from(&widest);
-                if other.sum_of_squares() < there.sum_of_squares() {
+                if other.sum_of_squares < there.sum_of_squares {
                     there = other;
                 }
             }
-            if there.sum_of_squares() <= most {
+            if there.sum_of_squares <= most {
                 found.push(space.freedom.expand(&there.parameters));
             }
         }

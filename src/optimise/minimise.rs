@@ -25,9 +25,9 @@ const NEIGHBOURS: [f64; 10] = [1e-1, -1e-1, 1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-
 pub struct Minimum {
     /// Parameters, inside the bounds.
     pub parameters: DVector<f64>,
-    /// Residuals there.
-    pub residuals: DVector<f64>,
-    /// `J' r` there, of the residuals and their derivatives J.
+    /// Sum of squared residuals there; infinite if one is not finite.
+    pub sum_of_squares: f64,
+    /// `J' r` there, of the residuals r and their derivatives J.
     pub gradient: DVector<f64>,
     /// The factor R of J, `[n, n]`: the same singular values and directions, in a small matrix. J itself where it has fewer
     /// rows than columns, or is not finite.
@@ -36,15 +36,6 @@ pub struct Minimum {
     pub termination: Termination,
     /// Residual evaluations, those for derivatives apart.
     pub evaluations: usize,
-}
-
-impl Minimum {
-    /// Sum of squared residuals; infinite if one is not finite.
-    #[must_use]
-    pub fn sum_of_squares(&self) -> f64 {
-        let sum = dot(self.residuals.as_slice(), self.residuals.as_slice());
-        if sum.is_finite() { sum } else { f64::INFINITY }
-    }
 }
 
 /// Runs [`LevenbergMarquardt`] from `start`.
@@ -71,22 +62,22 @@ impl Minimum {
 /// # Ok::<(), morpho_fit::optimise::BoundsError>(())
 /// ```
 pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tolerances: Tolerances) -> Minimum {
-    let mut found = descend(problem, start, tolerances);
+    let (mut found, count) = descend(problem, start, tolerances);
     for _ in 0..tolerances.escapes {
         if found.termination != Termination::Stalled {
             break;
         }
         match lower_neighbour(problem, &found) {
             Some(neighbour) => {
-                let (spent, before) = (found.evaluations, found.sum_of_squares());
-                found = descend(problem, &neighbour, tolerances);
+                let (spent, before) = (found.evaluations, found.sum_of_squares);
+                (found, _) = descend(problem, &neighbour, tolerances);
                 found.evaluations += spent;
                 // Along the edge of a kink the way down has no end that a step could find: in the end what it gains is nothing.
                 #[allow(clippy::cast_precision_loss, reason = "counts of readings are below 2^53")]
-                let nothing = NOTHING * before / found.residuals.len().max(1) as f64;
+                let nothing = NOTHING * before / count.max(1) as f64;
                 if before.is_finite()
                     && found.termination == Termination::Stalled
-                    && before - found.sum_of_squares() <= nothing
+                    && before - found.sum_of_squares <= nothing
                 {
                     found.termination = Termination::Kink;
                 }
@@ -100,8 +91,8 @@ pub fn minimise<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tol
     found
 }
 
-/// One run of the solver.
-fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tolerances: Tolerances) -> Minimum {
+/// One run of the solver, and the number of residuals.
+fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, tolerances: Tolerances) -> (Minimum, usize) {
     let solver = LevenbergMarquardt::new(problem.bounds().clone(), tolerances);
     let run = Executor::new(ArgminProblem(problem), solver)
         .configure(|state| state.param(start.clone()).max_iters(u64::MAX))
@@ -127,7 +118,10 @@ fn descend<L: LeastSquares + ?Sized>(problem: &L, start: &DVector<f64>, toleranc
         },
         |(r, _)| r,
     );
-    Minimum { parameters, residuals, gradient: products.gradient().clone(), triangle, termination, evaluations }
+    let sum = dot(residuals.as_slice(), residuals.as_slice());
+    let sum_of_squares = if sum.is_finite() { sum } else { f64::INFINITY };
+    let gradient = products.gradient().clone();
+    (Minimum { parameters, sum_of_squares, gradient, triangle, termination, evaluations }, residuals.len())
 }
 
 /// The lowest of the points around a minimum, if one is lower: steps of several sizes along each parameter and along
@@ -140,7 +134,7 @@ fn lower_neighbour<L: LeastSquares + ?Sized>(problem: &L, at: &Minimum) -> Optio
     if let Some((_, vectors)) = right_singular(&scaled) {
         directions.extend(vectors.row_iter().map(|row| row.transpose().component_mul(problem.scales())));
     }
-    let mut lowest = (at.sum_of_squares() * (1.0 - LOWER), None);
+    let mut lowest = (at.sum_of_squares * (1.0 - LOWER), None);
     for direction in &directions {
         for size in NEIGHBOURS {
             let point = problem.bounds().clamp(&(&at.parameters + direction * size));
@@ -225,7 +219,7 @@ mod tests {
             let found = minimise(&valley, &start, Tolerances { cost, ..Tolerances::default() });
             // On the wall y = 0 the least of (x - 20)² + 0.81 is at 20.
             assert!(found.termination.was_successful(), "{:?}", found.termination);
-            assert!((found.sum_of_squares() - 0.81).abs() < 1e-4 && found.parameters[1] <= 0.0, "{found:?}");
+            assert!((found.sum_of_squares - 0.81).abs() < 1e-4 && found.parameters[1] <= 0.0, "{found:?}");
         }
     }
 

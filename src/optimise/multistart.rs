@@ -42,13 +42,13 @@ pub fn merge_near(runs: Vec<Minimum>, scales: &DVector<f64>, apart: f64) -> Vec<
 }
 
 fn merge(mut runs: Vec<Minimum>, scales: &DVector<f64>, place: f64, share: f64) -> Vec<Minimum> {
-    runs.sort_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()));
+    runs.sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
     let mut distinct: Vec<Minimum> = Vec::new();
     for run in runs {
-        let cost = run.sum_of_squares();
+        let cost = run.sum_of_squares;
         let known = distinct.iter().any(|other| {
             let apart = (&run.parameters - &other.parameters).component_div(scales).amax();
-            apart <= place && cost - other.sum_of_squares() <= share * cost
+            apart <= place && cost - other.sum_of_squares <= share * cost
         });
         if !known {
             distinct.push(run);

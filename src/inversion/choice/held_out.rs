@@ -88,14 +88,8 @@ fn of_fold(compiled: &Compiled<'_>, fit: &Fit, runs: &Runs, fold: usize) -> Opti
     let found = minimise(&problem, &solution.best.parameters, FINE);
     let point = problem.evaluate(&found.parameters)?;
     let scale = solution.robust_unit;
-    let costs: Vec<f64> =
-        (compiled.plan.readings().iter().zip(compiled.plan.rows.weights()).zip(compiled.plan.rows.intensities()))
-            .map(|((reading, weight), intensity)| {
-                let parts = compiled.plan.parts(reading, point.terms.view());
-                let model = compiled.linear.value(reading.curve, parts, &point.coefficients);
-                scale * scale * loss.rho(weight * (model - intensity) / scale)
-            })
-            .collect();
+    let residuals = problem.plain_residuals(&point);
+    let costs: Vec<f64> = residuals.iter().map(|residual| scale * scale * loss.rho(residual / scale)).collect();
     let seen = costs.iter().zip(&left_out).filter(|(_, out)| !**out).map(|(cost, _)| cost).sum();
     let square = unit_of_residuals(compiled.data, seen, dof).powi(2);
     let deviance = |(cost, out): (&f64, &bool)| if *out { cost / square + square.ln() } else { 0.0 };

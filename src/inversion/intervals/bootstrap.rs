@@ -173,7 +173,7 @@ fn refit(problem: &Problem<'_>, starts: &[[f64; COUNT]], free: usize) -> Option<
         minimise(problem, &start, REPLICATE)
     };
     let best = starts.iter().map(run).filter(|run| run.termination.was_successful());
-    let best: Option<Minimum> = best.min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()));
+    let best: Option<Minimum> = best.min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
     best.map(|best| problem.space().freedom.expand(&best.parameters))
 }
 

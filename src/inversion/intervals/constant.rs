@@ -20,7 +20,7 @@ use crate::inversion::parameter::{COUNT, outside};
 use crate::inversion::problem::Problem;
 use crate::inversion::quantity::Quantity;
 use crate::inversion::settings::FitSettings;
-use crate::optimise::{LeastSquares, Minimum};
+use crate::optimise::LeastSquares;
 use crate::uncertainty::covariance::regularised;
 use crate::uncertainty::profile::{Conditional, ProfileStart, profile};
 use argmin::core::{CostFunction, Executor};
@@ -170,7 +170,7 @@ pub fn over_constant(
 
 /// What a fit minimised: chi², or the sum of its robust loss.
 fn cost(found: &Fit) -> f64 {
-    found.solution.minima.first().map_or(f64::INFINITY, Minimum::sum_of_squares)
+    found.solution.minima.first().map_or(f64::INFINITY, |minimum| minimum.sum_of_squares)
 }
 
 /// The least sums of squares along a constant, from the minima of the fit at one of its values.

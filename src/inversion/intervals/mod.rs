@@ -83,7 +83,7 @@ pub(crate) fn stretched(
 
 /// Minima beside the best that are not far above it.
 pub(crate) fn rivals(solution: &Solution) -> impl Iterator<Item = &Minimum> {
-    let best = solution.minima.first().map_or(0.0, Minimum::sum_of_squares);
+    let best = solution.minima.first().map_or(0.0, |minimum| minimum.sum_of_squares);
     let far = RIVAL * solution.unit * solution.unit;
-    solution.minima.iter().skip(1).filter(move |minimum| minimum.sum_of_squares() - best < far).take(RIVALS)
+    solution.minima.iter().skip(1).filter(move |minimum| minimum.sum_of_squares - best < far).take(RIVALS)
 }

@@ -179,9 +179,9 @@ pub(super) fn lowest(problem: &Problem<'_>, starts: &[DVector<f64>], neighbours:
             continue;
         }
         let found = run(start);
-        if best.as_ref().is_none_or(|best| found.sum_of_squares() < best.sum_of_squares()) {
+        if best.as_ref().is_none_or(|best| found.sum_of_squares < best.sum_of_squares) {
             best = Some(found);
         }
     }
-    best.map(|best| Conditional { sum_of_squares: best.sum_of_squares(), others: best.parameters })
+    best.map(|best| Conditional { sum_of_squares: best.sum_of_squares, others: best.parameters })
 }

@@ -8,10 +8,14 @@ fn reading(nodes: [usize; 3], curve: usize, shares: (f64, f64)) -> PlannedReadin
     PlannedReading { lamella, stack, lobe, share_a: shares.0, share_b: shares.1, curve }
 }
 
+fn intensity(reading: &PlannedReading) -> f64 {
+    0.1 * (reading.lamella + 2 * reading.lobe) as f64
+}
+
 /// Data of readings, and the rows of both.
 fn arranged(readings: &[PlannedReading], like: &[usize]) -> Rows {
     let weights = readings.iter().map(|reading| 1.0 + 0.25 * reading.stack as f64);
-    let intensities = readings.iter().map(|reading| 0.1 * (reading.lamella + 2 * reading.lobe) as f64);
+    let intensities = readings.iter().map(intensity);
     let mut rows = Rows::of_data(weights.zip(intensities));
     rows.arrange(readings, like);
     rows
@@ -143,7 +147,7 @@ fn parts_and_slopes_are_those_of_each_reading() {
         let (a, b) = (w * on_a * reading.share_a, w * on_b * reading.share_b);
         let (i, j, k) = (reading.lamella, reading.stack, reading.lobe);
         let value = a * p[i] + b * r[j] * l[k];
-        assert_relative_eq!(left[row], value + w * (background - rows.intensities()[row]), epsilon = 1e-14);
+        assert_relative_eq!(left[row], value + w * (background - intensity(reading)), epsilon = 1e-14);
         let expected = [
             a * lamella[0][i] + b * stack[0][j] * l[k],
             a * lamella[0][i] + b * stack[1][j] * l[k],

@@ -93,7 +93,7 @@ fn row(case: &Case, seed: u64) -> Result<Row, TradeoffError> {
     let global = fit(&data, &global, &|_| {})?.outcome.chi2;
     // The minimum next to the truth, unless noise has made another one lower.
     let of_truth = minimise(&problem, &vector(&values(&Structure::table1())), Tolerances::default());
-    let lowest = of_truth.sum_of_squares().min(global);
+    let lowest = of_truth.sum_of_squares.min(global);
     let judge = |chi2: Option<f64>, spent: bool| match chi2 {
         Some(chi2) if chi2 <= lowest + SAME => Verdict::Right,
         _ if spent => Verdict::Endless,
