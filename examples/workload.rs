@@ -298,10 +298,8 @@ pub(crate) fn pixels(workload: &Value, folder: &Path, variant: &str) -> Result<V
         sets.push(dataset(workload, &noisy.collect::<Vec<f64>>(), sigma)?);
     }
     let clock = Instant::now();
-    let found: Vec<FitOutcome> = sets
-        .par_iter()
-        .map(|data| fitter.outcome(data, &|_| {}))
-        .collect::<std::result::Result<_, _>>()?;
+    let found: Vec<FitOutcome> =
+        sets.par_iter().map(|data| fitter.outcome(data, &|_| {})).collect::<std::result::Result<_, _>>()?;
     let seconds = clock.elapsed().as_secs_f64();
     let x: Vec<Vec<f64>> = found.iter().map(values).collect();
     let right = x.iter().enumerate().filter(|(pixel, x)| {

@@ -9,7 +9,7 @@ use crate::values::{Given, Index, nearest};
 use crate::{output, values};
 use anyhow::{Context, Result};
 use morpho_fit::dataset::{Constants, Dataset, ReadOptions, read_csv};
-use morpho_fit::inversion::{FitSettings, ModelChoice, Nuisances, Parameter, Role, Search};
+use morpho_fit::inversion::{FitOutcome, FitSettings, ModelChoice, Nuisances, Parameter, Role, Search};
 use morpho_fit::optics::{Averages, HybridModel, Material, OpticsError, ReflectivityModel, Stack, Structure};
 use morpho_fit::units::radians;
 use sha2::{Digest, Sha256};
@@ -81,6 +81,13 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
+    /// Puts the hash of the file into an outcome where the data are not its very bytes.
+    pub(crate) fn name_data(&self, outcome: &mut FitOutcome) {
+        if let Some(sha256) = &self.sha256 {
+            outcome.data.sha256.clone_from(sha256);
+        }
+    }
+
     /// Reads the data and checks every choice, for one model.
     pub(crate) fn read(args: &ProblemArgs) -> Result<Self> {
         one_model(&args.model)?;

@@ -115,7 +115,12 @@ impl<'a> Problem<'a> {
         self.residuals_of(&parts, &plain, &point.coefficients)
     }
 
-    fn residuals_of(&self, parts: &WeightedParts, weighted: &Weighted<'_>, coefficients: &DVector<f64>) -> DVector<f64> {
+    fn residuals_of(
+        &self,
+        parts: &WeightedParts,
+        weighted: &Weighted<'_>,
+        coefficients: &DVector<f64>,
+    ) -> DVector<f64> {
         let mut residuals = DVector::zeros(self.plan.len());
         for (curve, span) in self.plan.rows.spans() {
             let of = [&parts.lamella[..], &parts.multilayer[..]].map(|values| &values[span.clone()]);

@@ -18,7 +18,7 @@ pub(crate) use sums::{along, sums};
 /// Runs shorter than this are joined, and their nodes listed.
 const SHORT: usize = 8;
 /// Readings of a block at most: few enough for their derivatives to stay in the nearest memory.
-const BLOCK: usize = 512;
+const BLOCK: usize = 320;
 
 /// The nodes that the readings of a run look at.
 #[derive(Debug, Clone, PartialEq, Eq)]

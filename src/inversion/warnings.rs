@@ -12,7 +12,8 @@ const OUTLIER: f64 = 0.5;
 
 /// A warning if one reading makes up most of chi².
 pub(crate) fn outlier(found: &Found<'_>, weighted: &[f64], chi2: f64) -> Option<String> {
-    let (worst, size) = weighted.iter().map(|residual| residual.abs()).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let (worst, size) =
+        weighted.iter().map(|residual| residual.abs()).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let line = found.data.readings()[worst].line;
     let place = if line > 0 { format!("line {line}") } else { format!("reading {}", worst + 1) };
     (size.powi(2) > OUTLIER * chi2).then(|| {

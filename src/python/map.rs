@@ -86,10 +86,10 @@ pub(crate) fn fit_map<'py>(
     let one = |pixel: usize, progress: &(dyn Fn(&str) + Sync)| {
         let data = pixel_of(&design, &intensities[pixel], sigmas.as_ref().map(|all| &all[pixel]))?;
         let found = match model.auto {
-            Some(beside) => choose(&data, &settings, &[beside], progress).map(|choice| choice.fit),
-            None => fitter.fit(&data, progress),
+            Some(beside) => choose(&data, &settings, &[beside], progress).map(|choice| choice.fit.outcome),
+            None => fitter.outcome(&data, progress),
         };
-        found.map(|fit| BatchFit::of(&fit.outcome)).map_err(|error| error.to_string())
+        found.map(|outcome| BatchFit::of(&outcome)).map_err(|error| error.to_string())
     };
     let found = patiently(py, |progress| {
         let mut found: Vec<Option<Result<BatchFit, String>>> = vec![None; intensities.len()];

@@ -6,7 +6,7 @@ mod ending;
 use self::charts::charts;
 use self::ending::{code, ended, first_lines, one_line};
 use crate::args::{BatchArgs, BatchOutputArgs, ProblemArgs, ReadingArgs, UncertaintyArgs, UncertaintyWord};
-use crate::commands::fit::{Wanted, found, is_left, take_away, work};
+use crate::commands::fit::{Wanted, is_left, outcome_alone, take_away, work};
 use crate::commands::refuse_to_replace;
 use crate::exit::{Outcome, Usage, code_of};
 use crate::items::{self, Item, folder_names};
@@ -332,7 +332,7 @@ impl Work<'_> {
             let files = work(&problem, &folder, &wanted, &|_| {}).inspect_err(|_| folder.abandon())?;
             (files.fit.outcome, Some(hex_sha256(&files.json)))
         } else {
-            (found(&problem, self.fitter.as_ref(), &|_| {})?.outcome, None)
+            (outcome_alone(&problem, self.fitter.as_ref())?, None)
         };
         let sha256 = Some(outcome.data.sha256.clone());
         Ok(BatchRow {

@@ -113,20 +113,27 @@ fn file_name(file: &str) -> String {
 }
 
 /// Fits, by one model or by the one that is chosen.
-///
-/// - `fitter`: of the problem's own settings, where many problems have the same.
-pub(crate) fn found(problem: &Problem, fitter: Option<&Fitter>, tell: &(dyn Fn(&str) + Sync)) -> Result<Fit> {
+fn found(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Fit> {
     let Problem { file, data, settings, beside, .. } = problem;
-    let found = match (beside, fitter) {
-        (Some(beside), _) => choose(data, settings, beside, tell).map(|choice| choice.fit),
-        (None, Some(fitter)) => fitter.fit(data, tell),
-        (None, None) => fit(data, settings, tell),
+    let found = match beside {
+        Some(beside) => choose(data, settings, beside, tell).map(|choice| choice.fit),
+        None => fit(data, settings, tell),
     };
     let mut fit = found.with_context(|| file.clone())?;
-    if let Some(sha256) = &problem.sha256 {
-        fit.outcome.data.sha256.clone_from(sha256);
-    }
+    problem.name_data(&mut fit.outcome);
     Ok(fit)
+}
+
+/// The fit without its curves.
+///
+/// - `fitter`: of the problem's own settings; none where it could not be made, which the fit by itself says why.
+pub(crate) fn outcome_alone(problem: &Problem, fitter: Option<&Fitter>) -> Result<FitOutcome> {
+    let Some(fitter) = fitter.filter(|_| problem.beside.is_none()) else {
+        return Ok(found(problem, &|_| {})?.outcome);
+    };
+    let mut outcome = fitter.outcome(&problem.data, &|_| {}).with_context(|| problem.file.clone())?;
+    problem.name_data(&mut outcome);
+    Ok(outcome)
 }
 
 /// Fits, and leaves everything in the folder.
@@ -138,7 +145,7 @@ pub(crate) fn work(
 ) -> Result<Files> {
     let Problem { file, data, .. } = problem;
     let Wanted { name, uncertainty, command, plots } = *wanted;
-    let mut fit = found(problem, None, tell)?;
+    let mut fit = found(problem, tell)?;
     // More data do not mend a model that misses those there are.
     if fit.outcome.sigma_source != SigmaSource::Widened {
         tell("asking what to measure next");

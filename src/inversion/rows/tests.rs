@@ -101,7 +101,7 @@ fn runs_hold_every_reading_once_in_order() {
     // A long run is cut.
     let long = arranged(&vec![all[0]; 1100], &[0]);
     let lengths: Vec<usize> = long.blocks().iter().map(|block| block.rows.len()).collect();
-    assert_eq!(lengths, [512, 512, 76]);
+    assert_eq!(lengths, [320, 320, 320, 140]);
     // Three rows of the grid, the spectrum, the shuffled curve in one, and two single readings.
     assert_eq!(rows.layout.runs.len(), 7);
     let spans: Vec<usize> = rows.spans().iter().map(|(curve, _)| *curve).collect();
