@@ -66,6 +66,14 @@ pub enum FitError {
         /// Readings of the fit.
         fitted: usize,
     },
+    /// A reading that is in no curve of the data.
+    #[error("a reading is of curve {curve}, counting from 0, but the data have {curves}")]
+    NoCurve {
+        /// Curve of the reading.
+        curve: usize,
+        /// Curves of the data.
+        curves: usize,
+    },
     /// A bootstrap of a fit with a robust loss.
     #[error(
         "the bootstrap needs the linear loss: it would draw outliers onto other readings; profile and sample do without"

@@ -21,6 +21,7 @@ mod objective;
 mod outcome;
 mod parameter;
 mod plan;
+mod prediction;
 mod problem;
 mod prospect;
 mod quantity;
@@ -55,6 +56,7 @@ pub use outcome::{
 };
 pub use parameter::{COUNT, Parameter, Role, structure, values};
 pub use plan::Plan;
+pub use prediction::{Predicted, predict};
 #[cfg(feature = "tradeoff")]
 pub(crate) use problem::Problem;
 pub use settings::{Derivative, FitSettings, ModelChoice, Parts, Search, SettingsError};

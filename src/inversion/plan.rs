@@ -92,11 +92,30 @@ impl<'a> Plan<'a> {
         parts: Parts,
         rows: &[usize],
     ) -> Result<Self, OpticsError> {
+        let chosen = rows.iter().map(|&row| &data.readings()[row]);
+        Self::of_all(chosen, model, parts, data.curves().len())
+    }
+
+    /// [`Plan::new`] for readings of `curves` curves that are no data set.
+    pub(crate) fn of_readings(
+        readings: &[Reading],
+        model: &'a dyn ReflectivityModel,
+        parts: Parts,
+        curves: usize,
+    ) -> Result<Self, OpticsError> {
+        Self::of_all(readings.iter(), model, parts, curves)
+    }
+
+    fn of_all<'r>(
+        readings: impl ExactSizeIterator<Item = &'r Reading> + Clone,
+        model: &'a dyn ReflectivityModel,
+        parts: Parts,
+        curves: usize,
+    ) -> Result<Self, OpticsError> {
         model.validate()?;
-        let chosen = || rows.iter().map(|&row| &data.readings()[row]);
-        let points = Arc::new(Points::new(chosen(), model, parts)?);
-        let rows = Rows::of_data(chosen().map(weight_and_intensity));
-        Ok(Self { model: ModelHeld::Lent(model), points, rows, curves: data.curves().len() })
+        let points = Arc::new(Points::new(readings.clone(), model, parts)?);
+        let rows = Rows::of_data(readings.map(weight_and_intensity));
+        Ok(Self { model: ModelHeld::Lent(model), points, rows, curves })
     }
 
     /// The readings as indices into what they see.

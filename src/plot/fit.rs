@@ -3,7 +3,7 @@
 use super::slices::{Along, Slice, shown};
 use super::{Figure, LineSeries, Panel, PointSeries};
 use crate::dataset::{Dataset, Reading};
-use crate::inversion::{Fit, FittedReading};
+use crate::inversion::{Fit, FittedReading, Predicted, predict};
 use crate::units::degrees;
 
 /// Panels of a chart at most; more are too small to read.
@@ -12,6 +12,8 @@ const PANELS: usize = 9;
 const INVISIBLE: f64 = 2e-3;
 /// Residuals within so many standard deviations are what noise does.
 const USUAL: f64 = 2.0;
+/// Points of a line at least, if it has more than one: the model is smooth between few readings, too.
+const POINTS: usize = 240;
 /// Half the least height of a residual panel, in standard deviations.
 const LEAST_HEIGHT: f64 = 3.5;
 
@@ -24,10 +26,12 @@ const BACKGROUND: usize = 6;
 /// Measured points with error bars, the model, and its contributions where there are several.
 ///
 /// One panel for each curve, plane, polarization and standing coordinate; of many panels an even choice is shown, and the
-/// subtitle, which begins with `values`, says so. Model lines go through the abscissas of the data.
+/// subtitle, which begins with `values`, says so. Between readings the model is that of a geometry between theirs.
 #[must_use]
 pub fn curves_figure(data: &Dataset, fit: &Fit, title: &str, values: &str) -> Figure {
-    figure(data, fit, title, values, curve_panel)
+    let (slices, all) = shown(data, PANELS);
+    let mut lines = lines(data, fit, &slices).into_iter();
+    figure(data, fit, title, values, (&slices, all), |view| curve_panel(view, &lines.next().unwrap_or_default()))
 }
 
 /// Residuals in units of their standard deviation, with a band where two of three should lie twice over: ±2.
@@ -35,7 +39,53 @@ pub fn curves_figure(data: &Dataset, fit: &Fit, title: &str, values: &str) -> Fi
 /// The panels are those of [`curves_figure`].
 #[must_use]
 pub fn residuals_figure(data: &Dataset, fit: &Fit, title: &str, values: &str) -> Figure {
-    figure(data, fit, title, values, residual_panel)
+    let (slices, all) = shown(data, PANELS);
+    figure(data, fit, title, values, (&slices, all), residual_panel)
+}
+
+/// The model along each slice by abscissa, at its readings and between them; at its readings alone where it has no value
+/// between them.
+fn lines(data: &Dataset, fit: &Fit, slices: &[Slice]) -> Vec<Vec<(f64, Predicted)>> {
+    let along: Vec<Vec<Reading>> = slices.iter().map(|slice| between(data, slice)).collect();
+    let Ok(predicted) = predict(data, fit, &along.concat()) else {
+        return slices.iter().map(|slice| at_readings(data, fit, slice)).collect();
+    };
+    let mut predicted = predicted.into_iter();
+    let line = |(slice, readings): (&Slice, &Vec<Reading>)| {
+        readings.iter().map(|reading| slice.along.abscissa(reading)).zip(predicted.by_ref()).collect()
+    };
+    slices.iter().zip(&along).map(line).collect()
+}
+
+/// The readings of a slice, and so many between each two that there are [`POINTS`].
+fn between(data: &Dataset, slice: &Slice) -> Vec<Reading> {
+    let readings: Vec<Reading> =
+        slice.readings.iter().filter_map(|&index| data.readings().get(index)).copied().collect();
+    let steps = POINTS.div_ceil(readings.len().saturating_sub(1).max(1));
+    let mut all = Vec::with_capacity(steps * readings.len());
+    for pair in readings.windows(2) {
+        all.extend((0..steps).map(|step| {
+            #[allow(clippy::cast_precision_loss, reason = "steps of a line are few")]
+            let share = step as f64 / steps as f64;
+            let at = |low: f64, high: f64| low + share * (high - low);
+            let mut reading = pair[0];
+            reading.wavelength = at(pair[0].wavelength, pair[1].wavelength);
+            reading.geometry.theta = at(pair[0].geometry.theta, pair[1].geometry.theta);
+            reading.geometry.phi = at(pair[0].geometry.phi, pair[1].geometry.phi);
+            reading
+        }));
+    }
+    all.extend(readings.last());
+    all
+}
+
+fn at_readings(data: &Dataset, fit: &Fit, slice: &Slice) -> Vec<(f64, Predicted)> {
+    let at = |&index: &usize| {
+        let (reading, fitted) = (data.readings().get(index)?, fit.readings.get(index)?);
+        let FittedReading { model, lamella, multilayer, background, .. } = *fitted;
+        Some((slice.along.abscissa(reading), Predicted { model, lamella, multilayer, background }))
+    };
+    slice.readings.iter().filter_map(at).collect()
 }
 
 /// One slice with what is needed to draw it.
@@ -52,16 +102,16 @@ impl View<'_> {
     fn abscissas(&self) -> Vec<f64> {
         self.data.iter().map(|reading| self.along.abscissa(reading)).collect()
     }
-
-    fn line(&self, name: &str, colour: usize, dashed: bool, value: impl Fn(&FittedReading) -> f64) -> LineSeries {
-        let y = self.fitted.iter().map(|fitted| value(fitted)).collect();
-        let width = if dashed { 1.4 } else { LineSeries::default().width };
-        LineSeries { name: name.to_owned(), x: self.abscissas(), y, colour, dashed, width }
-    }
 }
 
-fn figure(data: &Dataset, fit: &Fit, title: &str, values: &str, panel: fn(&View<'_>) -> Panel) -> Figure {
-    let (slices, all) = shown(data, PANELS);
+fn figure(
+    data: &Dataset,
+    fit: &Fit,
+    title: &str,
+    values: &str,
+    (slices, all): (&[Slice], usize),
+    mut panel: impl FnMut(&View<'_>) -> Panel,
+) -> Figure {
     let drawn = slices.iter().flat_map(|slice| &slice.readings).filter_map(|&index| fit.readings.get(index));
     let height = drawn.map(|fitted| 1.06 * fitted.normalised.abs()).fold(LEAST_HEIGHT, f64::max);
     let mut subtitle = values.to_owned();
@@ -82,8 +132,8 @@ fn figure(data: &Dataset, fit: &Fit, title: &str, values: &str, panel: fn(&View<
     Figure { title: title.to_owned(), subtitle, panels: panels.collect(), ..Figure::default() }
 }
 
-fn curve_panel(view: &View<'_>) -> Panel {
-    type Part = fn(&FittedReading) -> f64;
+fn curve_panel(view: &View<'_>, along: &[(f64, Predicted)]) -> Panel {
+    type Part = fn(&Predicted) -> f64;
     let sigma = view.data.iter().map(|reading| reading.sigma).collect();
     let measured = PointSeries {
         name: "measured".to_owned(),
@@ -92,19 +142,24 @@ fn curve_panel(view: &View<'_>) -> Panel {
         sigma,
         colour: MEASURED,
     };
-    let largest = |part: Part| view.fitted.iter().map(|fitted| part(fitted).abs()).fold(0.0, f64::max);
-    let visible = INVISIBLE * largest(|fitted| fitted.model);
+    let line = |name: &str, colour: usize, dashed: bool, part: Part| {
+        let (x, y) = along.iter().map(|(x, there)| (*x, part(there))).unzip();
+        let width = if dashed { 1.4 } else { LineSeries::default().width };
+        LineSeries { name: name.to_owned(), x, y, colour, dashed, width }
+    };
+    let largest = |part: Part| along.iter().map(|(_, there)| part(there).abs()).fold(0.0, f64::max);
+    let visible = INVISIBLE * largest(|there| there.model);
     let parts: [(&str, usize, Part); 3] = [
-        ("lamella part", LAMELLA, |fitted| fitted.lamella),
-        ("multilayer part", MULTILAYER, |fitted| fitted.multilayer),
-        ("background", BACKGROUND, |fitted| fitted.background),
+        ("lamella part", LAMELLA, |there| there.lamella),
+        ("multilayer part", MULTILAYER, |there| there.multilayer),
+        ("background", BACKGROUND, |there| there.background),
     ];
     let parts: Vec<_> = parts.into_iter().filter(|(_, _, part)| largest(*part) > visible).collect();
     let mut lines = Vec::new();
     if parts.len() > 1 {
-        lines.extend(parts.into_iter().map(|(name, colour, part)| view.line(name, colour, true, part)));
+        lines.extend(parts.into_iter().map(|(name, colour, part)| line(name, colour, true, part)));
     }
-    lines.push(view.line("model", MODEL, false, |fitted| fitted.model));
+    lines.push(line("model", MODEL, false, |there| there.model));
     Panel { y_label: "intensity".to_owned(), points: vec![measured], lines, ..Panel::default() }
 }
 
@@ -170,8 +225,8 @@ fn rounded(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inversion::{FitSettings, Search, fit};
-    use crate::optics::{BlendModel, Structure};
+    use crate::inversion::{Extent, FitSettings, Nuisances, Parameter, Role, Search, Weight, fit, values};
+    use crate::optics::{BlendModel, ReflectivityModel, Structure};
     use crate::plot::draw;
     use crate::synthetic::{Scan, simulate};
 
@@ -191,6 +246,39 @@ mod tests {
         assert!(draw(&curves).unwrap().png.starts_with(b"\x89PNG"));
         let residuals = residuals_figure(&data, &found, "title", "values");
         assert_eq!(residuals.panels[3].bands, [(-2.0, 2.0)]);
+    }
+
+    /// Through the model at the readings, and between them where the model is, not on the chord.
+    #[test]
+    fn a_line_is_the_model_between_few_readings() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let scans: Vec<Scan> = Scan::full_design(&model, &blue).unwrap().into_iter().skip(2).collect();
+        let data = simulate(&model, &blue, &scans, 1.0, 0.0, 3).unwrap();
+        let few =
+            data.readings().iter().copied().enumerate().filter(|(row, _)| row % 6 == 0).map(|(_, reading)| reading);
+        let data = Dataset::from_readings(few.collect(), data.curves().to_vec()).unwrap();
+        let truth = values(&blue);
+        let roles = Parameter::ALL.map(|parameter| Role::Fixed { value: truth[parameter.index()] });
+        let nuisances = Nuisances { scale: Extent::None, weight: Weight::Fixed(1.0), background: Extent::None };
+        let found = fit(&data, &FitSettings { roles, nuisances, ..FitSettings::default() }, &|_| {}).unwrap();
+        let slices = shown(&data, PANELS).0;
+        for (slice, line) in slices.iter().zip(lines(&data, &found, &slices)) {
+            assert!(line.len() > POINTS && line.windows(2).all(|pair| pair[1].0 > pair[0].0));
+            let at = at_readings(&data, &found, slice);
+            assert!(at.iter().all(|own| line.contains(own)), "{at:?}");
+            // Half way between two readings, from the forward model itself.
+            let steps = (line.len() - 1) / (at.len() - 1);
+            let [low, high] = [0, 1].map(|place| data.readings()[slice.readings[place]]);
+            let half = |low: f64, high: f64| 0.5 * (low + high);
+            let geometry = crate::geometry::Geometry {
+                theta: half(low.geometry.theta, high.geometry.theta),
+                phi: half(low.geometry.phi, high.geometry.phi),
+                ..low.geometry
+            };
+            let wavelength = half(low.wavelength, high.wavelength);
+            let truth = model.reflectivity(&blue, &geometry, low.polarization, wavelength).unwrap();
+            assert!((line[steps / 2].1.model - truth).abs() < 1e-12, "{:?} {truth}", line[steps / 2]);
+        }
     }
 
     #[test]
