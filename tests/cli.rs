@@ -370,6 +370,31 @@ fn check_tells_what_the_design_cannot() {
     assert!(!outcome(&folder, "fits/across").advice.is_empty());
 }
 
+/// The geometry of a measurement that tells all: so does its plan, before there are readings.
+#[test]
+fn a_plan_is_checked_before_it_is_measured() {
+    let folder = with_blue();
+    let data = fs::read_to_string(folder.path().join("blue.csv")).unwrap();
+    let without = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [&cells[..4], &cells[6..]].concat().join(",")
+    };
+    let plan: Vec<String> = data.lines().filter(|line| !line.starts_with('#')).map(without).collect();
+    assert_eq!(plan[0], "wavelength_nm,theta_deg,phi_deg,omega_deg,curve");
+    write(&folder, "plan.csv", &plan.join("\n"));
+    let checked = succeeds(&folder, "check plan.csv").out;
+    assert!(checked.starts_with("plan.csv: 172 readings, planned\n"), "{checked}");
+    assert!(checked.contains("note: there is no column `intensity`: a plan of a measurement"), "{checked}");
+    assert!(checked.ends_with("Nothing more is needed.\n"), "{checked}");
+    let refused = run(&folder, "plan.csv");
+    assert!(
+        refused.code == 1 && refused.err.contains("column `intensity` is missing"),
+        "{} {}",
+        refused.code,
+        refused.err
+    );
+}
+
 #[test]
 fn help_lists_every_flag_with_its_unit() {
     let folder = TempDir::new().unwrap();

@@ -133,6 +133,19 @@ fn residuals_far_below_the_stated_noise_widen_nothing() {
     assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
 }
 
+/// Three times the noise is stated, and a little more than it, and with the noise left out.
+#[test]
+fn a_sigma_that_is_too_large_is_said() {
+    for (noise, stated, expected) in [(0.01, 0.03, Some("scatter by 0.3")), (0.01, 0.012, None), (0.0, 0.03, None)] {
+        let data = changed(&blue(noise), |_, reading| reading.sigma = Some(stated));
+        let found = quiet(&data, &FitSettings::default()).outcome;
+        let said = found.warnings.iter().find(|warning| warning.contains("of the stated sigma"));
+        assert_eq!(said.is_some(), expected.is_some(), "{noise} {stated}: {:?}", found.warnings);
+        assert!(said.zip(expected).is_none_or(|(said, text)| said.contains(text)), "{said:?}");
+        assert_eq!(found.verdict, Verdict::Determined);
+    }
+}
+
 #[test]
 fn neighbouring_residuals_that_agree_widen_the_errors_with_and_without_sigma() {
     // A slow wave of three times the noise, as a misaligned instrument adds it.

@@ -94,12 +94,22 @@ impl Problem {
         Self::read_for_any(args)
     }
 
+    /// The same of a file that may be a plan, without intensities.
+    pub(crate) fn read_plan(args: &ProblemArgs) -> Result<Self> {
+        one_model(&args.model)?;
+        Self::read_with(args, ReadOptions { plan: true, ..reading(&args.reading) })
+    }
+
     /// The same for a command that can choose among the variants of a model.
     pub(crate) fn read_for_any(args: &ProblemArgs) -> Result<Self> {
+        Self::read_with(args, reading(&args.reading))
+    }
+
+    fn read_with(args: &ProblemArgs, options: ReadOptions) -> Result<Self> {
         let Choices { settings, beside } = Choices::of(args)?;
         let path = args.data.as_deref().ok_or_else(|| Usage("give a CSV file".to_owned()))?;
         let Source { file, bytes, sha256 } = Source::read(path, &args.reading)?;
-        let data = read_csv(&bytes, &reading(&args.reading)).map_err(|findings| findings.in_file(&file))?;
+        let data = read_csv(&bytes, &options).map_err(|findings| findings.in_file(&file))?;
         Ok(Self { file, data, settings, beside, sha256 })
     }
 }
@@ -152,7 +162,7 @@ pub(crate) fn reading(args: &ReadingArgs) -> ReadOptions {
         },
         wide: args.wide.map(crate::args::WideWord::value),
         max_bytes: output::MOST_BYTES,
-        required_readings: 0,
+        ..ReadOptions::default()
     }
 }
 

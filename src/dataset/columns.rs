@@ -3,7 +3,7 @@
 use super::cells::number;
 use super::findings::{Collector, Column, Finding, Place};
 use super::kind::FindingKind;
-use super::options::{Constants, ReadOptions};
+use super::options::{Constants, PLAN, ReadOptions};
 use crate::geometry::Polarization;
 
 /// What a column can hold.
@@ -140,6 +140,8 @@ pub(super) struct Layout {
     pub(super) curve: Option<usize>,
     /// Columns of intensities: one in the tidy form.
     pub(super) intensities: Vec<(usize, Given)>,
+    /// Whether there are none, as in a plan.
+    pub(super) plan: bool,
     /// Names of records that the headings give.
     pub(super) curves: Vec<String>,
     /// Number in the file, from 0, of the second column, where that alone was cut out of a wide table.
@@ -162,6 +164,7 @@ impl Layout {
             polarization: source(constants.polarization),
             curve: None,
             intensities: Vec::new(),
+            plan: false,
             curves: Vec::new(),
             cut_from: None,
         }
@@ -246,7 +249,13 @@ impl Layout {
         }
         for quantity in Quantity::ALL.into_iter().filter(|quantity| quantity.required()) {
             let absent = headings.iter().all(|heading| heading != quantity.name());
-            if absent && !layout.is_constant(quantity) && !suggested.contains(&quantity) {
+            if !absent || layout.is_constant(quantity) || suggested.contains(&quantity) {
+                continue;
+            }
+            if quantity == Quantity::Intensity && options.plan {
+                layout.plan = true;
+                notes.push(PLAN.to_owned());
+            } else {
                 found.at_line(line, FindingKind::MissingColumn { name: quantity.name(), flag: quantity.flag() });
             }
         }

@@ -39,7 +39,7 @@ mod write;
 
 pub use self::findings::{Column, Finding, Findings, Place};
 pub use self::kind::{FindingKind, NumberHint};
-pub use self::options::{Constants, ReadOptions, WideHeading};
+pub use self::options::{Constants, PLAN, ReadOptions, WideHeading};
 pub use self::parts::{Part, SplitBy, split_csv};
 pub use self::read::{check_headings, read_csv};
 pub use self::write::{NotWide, to_csv, to_wide_csv};

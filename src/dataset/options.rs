@@ -32,6 +32,9 @@ pub enum WideHeading {
     Curve,
 }
 
+/// The note of a file that is a plan: see [`ReadOptions::plan`].
+pub const PLAN: &str = "there is no column `intensity`: a plan of a measurement";
+
 /// How to read a file.
 ///
 /// ```
@@ -56,10 +59,13 @@ pub struct ReadOptions {
     pub max_bytes: u64,
     /// Number of free parameters: fewer readings are a finding; 0 by default.
     pub required_readings: usize,
+    /// A file in the tidy form may be a plan: it needs no column `intensity`, and where there is none all are 0, which
+    /// [`PLAN`] notes. `false` by default.
+    pub plan: bool,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { constants: Constants::default(), wide: None, max_bytes: 1 << 30, required_readings: 0 }
+        Self { constants: Constants::default(), wide: None, max_bytes: 1 << 30, required_readings: 0, plan: false }
     }
 }

@@ -335,6 +335,7 @@ fn of_record(whole: &Layout, record: usize) -> Option<Layout> {
         wavelength: Source::Column(0),
         intensities: vec![(1, Given::Curve(0))],
         curves: vec![name],
+        plan: false,
         cut_from: Some(*column),
         theta: whole.theta,
         phi: whole.phi,

@@ -12,10 +12,15 @@ use super::kind::FindingKind;
 use super::options::ReadOptions;
 use super::{Dataset, Reading};
 use crate::geometry::{Geometry, Polarization};
-use crate::units::radians;
+use crate::units::{degrees, radians};
 
 /// Name of the only record of a file that names none.
 const UNNAMED: &str = "data";
+/// Different angles that make a scan.
+const SCAN: usize = 5;
+/// A scan is rarely narrower than 30 degrees, or than as many degrees as there are radians in a quarter turn, rounded up.
+const LEAST_RADIANS: f64 = 0.5;
+const MOST_RADIANS: f64 = 1.58;
 
 /// The rows read so far.
 #[derive(Debug)]
@@ -63,9 +68,13 @@ impl Rows {
         let sigma = self.sigma(&row);
         let polarization = self.polarization(&row);
         let curve = self.curve(&row);
-        for index in 0..self.layout.intensities.len() {
-            let Some((column, given)) = self.layout.intensities.get(index).copied() else { return };
-            let intensity = self.value(&row, Source::Column(column), checks::finite);
+        let columns = self.layout.intensities.len();
+        for index in 0..columns.max(usize::from(self.layout.plan)) {
+            let column = self.layout.intensities.get(index).copied();
+            let (intensity, given) = match column {
+                Some((column, given)) => (self.value(&row, Source::Column(column), checks::finite), given),
+                None => (Some(0.0), Given::Nothing),
+            };
             let (mut theta, mut phi, mut curve) = (theta, phi, curve);
             match given {
                 Given::Nothing => {}
@@ -81,7 +90,7 @@ impl Rows {
                 let geometry = Geometry { theta: radians(theta), phi: radians(phi), omega: radians(omega) };
                 let reading = Reading { wavelength, geometry, polarization, intensity, sigma, curve, line };
                 if let Some(first) = self.seen.first(&reading, Place::Line(line)) {
-                    let column = (self.layout.intensities.len() > 1).then(|| self.column(column));
+                    let column = column.filter(|_| columns > 1).map(|(column, _)| self.column(column));
                     self.found.push(Some(Place::Line(line)), column, FindingKind::DuplicateReading { first });
                 }
                 self.readings.push(reading);
@@ -215,12 +224,31 @@ impl Rows {
         if self.marks[0].is_some() {
             notes.push("numbers have decimal commas".to_owned());
         }
+        notes.extend(may_be_radians(&self.readings));
         let mut curves = self.layout.curves;
         if curves.is_empty() {
             curves.push(UNNAMED.to_owned());
         }
         Ok(Dataset::checked(self.readings, curves, notes, sha256))
     }
+}
+
+/// A note on a scan whose angles end where those in radians do.
+fn may_be_radians(readings: &[Reading]) -> Option<String> {
+    let angles = |of: fn(&Reading) -> f64| readings.iter().map(move |reading| degrees(of(reading)));
+    let columns = [|reading: &Reading| reading.geometry.theta, |reading: &Reading| reading.geometry.phi];
+    let most = columns.iter().flat_map(|of| angles(*of)).map(f64::abs).fold(0.0, f64::max);
+    let is_scan = |of| {
+        let mut values: Vec<f64> = Vec::with_capacity(SCAN);
+        angles(of).any(|angle| {
+            if !values.contains(&angle) {
+                values.push(angle);
+            }
+            values.len() == SCAN
+        })
+    };
+    let likely = (LEAST_RADIANS..=MOST_RADIANS).contains(&most) && columns.into_iter().any(is_scan);
+    likely.then(|| format!("no angle is beyond {most:.2} degrees: if they are radians, write them in degrees"))
 }
 
 /// What is wrong with a row as a whole.

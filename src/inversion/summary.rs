@@ -35,6 +35,11 @@ const STRUCTURED: f64 = 5.0;
 const LOUD: f64 = 4.0;
 /// chi² for each degree of freedom below which the structure of residuals does not matter.
 const UNHEARD: f64 = 0.05;
+/// Residuals this many standard deviations of chi² below the stated noise are not of it.
+const OVERSTATED: f64 = 5.0;
+/// Of the stated sigma the scatter that is told as less: above this it hardly matters, below the other the data are exact.
+const QUIET: f64 = 0.7;
+const HEARD: f64 = 0.01;
 /// Scatter below this share of the largest reading is rounding.
 const ROUNDING: f64 = 1e-6;
 /// A model that lowers chi² by less than this below the best constant says nothing: of 300 sets of pure noise the fit
@@ -152,6 +157,9 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
             wording::missed(missed, bent, widened_by)
         });
         warnings.push(warnings::may_help(found, verdict));
+    }
+    if comparable && !by_chance && excess(chi2, dof) < -OVERSTATED && (HEARD..QUIET).contains(&reduced.sqrt()) {
+        warnings.push(wording::overstated(reduced.sqrt()));
     }
     if missed || by_chance {
         warnings.extend(warnings::outlier(found, weighted, chi2));

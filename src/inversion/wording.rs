@@ -42,6 +42,13 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
     }
 }
 
+/// Of stated errors that the residuals do not have; `ratio` is what they scatter by.
+pub(crate) fn overstated(ratio: f64) -> String {
+    format!(
+        "the readings scatter by {ratio:.2} of the stated sigma: if sigma is their noise alone, all intervals are too wide"
+    )
+}
+
 /// How the data are missed.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Missed<'a> {

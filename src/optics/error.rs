@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum OpticsError {
     /// A quantity is outside its domain, or is not a finite number.
-    #[error("{quantity} is {found} {unit}; it must be {allowed}")]
+    #[error("{quantity} is {found}{}{unit}; it must be {allowed}", if unit.is_empty() { "" } else { " " })]
     OutOfRange {
         /// Name of the quantity, as in the documentation.
         quantity: &'static str,

@@ -57,6 +57,39 @@ impl Said {
     }
 }
 
+/// Number of rows of a table: the length of its first column.
+pub(crate) fn length(table: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let names = if table.hasattr("keys")? {
+        table.call_method0("keys")?
+    } else if table.hasattr("columns")? {
+        table.getattr("columns")?
+    } else {
+        return Err(refused("design is a table with named columns, such as a dict or a frame"));
+    };
+    match names.try_iter()?.next().transpose()? {
+        Some(name) => table.get_item(name)?.len(),
+        None => Err(refused("design has no columns")),
+    }
+}
+
+/// The readings of `design` with the numbers that its curves have in `data`.
+pub(crate) fn in_curves_of(data: &Dataset, design: &Dataset) -> PyResult<Vec<Reading>> {
+    let known = data.curves();
+    let alone = known.len() == 1 && design.curves().len() == 1;
+    let numbers: Vec<usize> = design
+        .curves()
+        .iter()
+        .map(|name| {
+            let number = if alone { Some(0) } else { known.iter().position(|other| other == name) };
+            number.ok_or_else(|| {
+                let names = known.iter().take(8).map(String::as_str).collect::<Vec<_>>().join("`, `");
+                refused(format!("the data have no curve `{name}`; name one in a column `curve`: `{names}`"))
+            })
+        })
+        .collect::<PyResult<_>>()?;
+    Ok(design.readings().iter().map(|reading| Reading { curve: numbers[reading.curve], ..*reading }).collect())
+}
+
 /// Reads `data`, by whatever of the two it is.
 pub(crate) fn dataset(py: Python<'_>, data: &Bound<'_, PyAny>, said: &Said) -> PyResult<Given> {
     if let Ok(bytes) = data.cast::<PyBytes>() {

@@ -13,7 +13,7 @@ use crate::export::{ExportError, fit_json};
 use crate::inversion::intervals::{self, PosteriorSettings};
 use crate::inversion::{
     AdviceError, Ask, Estimate, Fit, FitError, FittedReading, NamedMatrix, Parameter, SigmaSource, Verdict, advise,
-    choose, fit as fitted, structure,
+    choose, fit as fitted, predict, structure,
 };
 use crate::report::{html, terminal, uncertainty, wording};
 use numpy::ndarray::Array2;
@@ -265,6 +265,37 @@ impl FitResult {
             let shape = [values.len()];
             all.set_item(name, array(py, values, &shape)?)?;
         }
+        Ok(all)
+    }
+
+    /// The fitted model at readings that need not be of the data: a dict of columns [n], ready for a frame.
+    ///
+    /// design has the columns of data but intensity and sigma: a dict of arrays [n] or a frame; what is the same for all readings may be
+    /// a keyword: wavelength (nm), theta, phi, omega (degrees), polarization. curve names the curve of the data whose scale and
+    /// background a reading has; it is needed where the data have several. Added: model, lamella, multilayer, background.
+    #[pyo3(
+        signature = (design, **constants),
+        text_signature = "($self, design, *, wavelength=None, theta=None, phi=None, omega=None, polarization=None)"
+    )]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        design: &Bound<'py, PyAny>,
+        constants: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let mut keywords = Keywords::of(constants)?;
+        let said = Said { blank: Some(data::length(design)?), ..Said::take(&mut keywords)? };
+        keywords.finish()?;
+        let design = data::dataset(py, design, &said)?.data;
+        let readings = data::in_curves_of(&self.data, &design)?;
+        let found = py.detach(|| predict(&self.data, &self.fit, &readings)).map_err(|error| of_fit(py, &error))?;
+        let all = data::columns(py, &design)?;
+        all.del_item("intensity")?;
+        let put = |name, values: Vec<f64>| all.set_item(name, array(py, values, &[found.len()])?);
+        put("model", found.iter().map(|one| one.model).collect())?;
+        put("lamella", found.iter().map(|one| one.lamella).collect())?;
+        put("multilayer", found.iter().map(|one| one.multilayer).collect())?;
+        put("background", found.iter().map(|one| one.background).collect())?;
         Ok(all)
     }
 

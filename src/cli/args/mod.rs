@@ -84,7 +84,8 @@ pub(crate) enum Command {
     /// items.svg or map.svg. Stopped, it goes on where it was; the exit code is that of the first cause among the items.
     #[command(after_help = EXIT_CODES, args_override_self = true)]
     Batch(BatchArgs),
-    /// Validate a CSV file and tell what its design of measurement can identify, before fitting.
+    /// Validate a CSV file and tell what its design of measurement can identify, before fitting or even measuring: a plan needs no
+    /// column intensity.
     #[command(args_override_self = true)]
     Check(CheckArgs),
     /// Draw intensity over the viewing angle for several wavelengths, cartesian and polar, and spectra at several angles:

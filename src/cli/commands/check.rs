@@ -6,7 +6,7 @@ use crate::options::Problem;
 use crate::output::{self, WIDTH};
 use crate::progress::Progress;
 use anyhow::{Context, Result};
-use morpho_fit::dataset::{Dataset, Reading};
+use morpho_fit::dataset::{Dataset, PLAN, Reading};
 use morpho_fit::geometry::Polarization;
 use morpho_fit::inversion::{self, AdviceFound, Estimate, ModelChoice, expected};
 use morpho_fit::report::{Align, Table, plain, terminal, with_sigma, wording};
@@ -86,7 +86,7 @@ struct Coordinate {
 }
 
 pub(crate) fn run(args: &CheckArgs) -> Result<Outcome> {
-    let problem = Problem::read(&args.problem)?;
+    let problem = Problem::read_plan(&args.problem)?;
     let data = &problem.data;
     let progress = Progress::new(false);
     let expected =
@@ -190,7 +190,8 @@ fn planes(data: &Dataset, model: ModelChoice) -> &'static str {
 }
 
 fn text(report: &Report) -> String {
-    let mut text = format!("{}: {} readings, ready to fit\n\n", report.file, report.readings);
+    let state = if report.notes.iter().any(|note| note == PLAN) { "planned" } else { "ready to fit" };
+    let mut text = format!("{}: {} readings, {state}\n\n", report.file, report.readings);
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left), ("", Align::Left)]);
     for coordinate in &report.coordinates {
         let Coordinate { name, unit, lowest, highest, values, first } = coordinate;
