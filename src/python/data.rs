@@ -72,15 +72,16 @@ pub(crate) fn length(table: &Bound<'_, PyAny>) -> PyResult<usize> {
     }
 }
 
-/// The readings of `design` with the numbers that its curves have in `data`.
-pub(crate) fn in_curves_of(data: &Dataset, design: &Dataset) -> PyResult<Vec<Reading>> {
+/// The readings of `design` with the numbers that its curves have in `data`; where all curves of these are `alike` any may stand
+/// for one that they do not have.
+pub(crate) fn in_curves_of(data: &Dataset, design: &Dataset, alike: bool) -> PyResult<Vec<Reading>> {
     let known = data.curves();
-    let alone = known.len() == 1 && design.curves().len() == 1;
+    let alike = alike || known.len() == 1 && design.curves().len() == 1;
     let numbers: Vec<usize> = design
         .curves()
         .iter()
         .map(|name| {
-            let number = if alone { Some(0) } else { known.iter().position(|other| other == name) };
+            let number = known.iter().position(|other| other == name).or(alike.then_some(0));
             number.ok_or_else(|| {
                 let names = known.iter().take(8).map(String::as_str).collect::<Vec<_>>().join("`, `");
                 refused(format!("the data have no curve `{name}`; name one in a column `curve`: `{names}`"))

@@ -12,8 +12,8 @@ use crate::dataset::Dataset;
 use crate::export::{ExportError, fit_json};
 use crate::inversion::intervals::{self, PosteriorSettings};
 use crate::inversion::{
-    AdviceError, Ask, Estimate, Fit, FitError, FittedReading, NamedMatrix, Parameter, SigmaSource, Verdict, advise,
-    choose, fit as fitted, predict, structure,
+    AdviceError, Ask, Estimate, Extent, Fit, FitError, FittedReading, NamedMatrix, Parameter, SigmaSource, Verdict,
+    advise, choose, fit as fitted, predict, structure,
 };
 use crate::report::{html, terminal, uncertainty, wording};
 use numpy::ndarray::Array2;
@@ -271,8 +271,8 @@ impl FitResult {
     /// The fitted model at readings that need not be of the data: a dict of columns [n], ready for a frame.
     ///
     /// design has the columns of data but intensity and sigma: a dict of arrays [n] or a frame; what is the same for all readings may be
-    /// a keyword: wavelength (nm), theta, phi, omega (degrees), polarization. curve names the curve of the data whose scale and
-    /// background a reading has; it is needed where the data have several. Added: model, lamella, multilayer, background.
+    /// a keyword: wavelength (nm), theta, phi, omega (degrees), polarization. Where curves have a scale or background each, a column
+    /// curve says which a reading has. Added: model, lamella, multilayer, background.
     #[pyo3(
         signature = (design, **constants),
         text_signature = "($self, design, *, wavelength=None, theta=None, phi=None, omega=None, polarization=None)"
@@ -287,7 +287,9 @@ impl FitResult {
         let said = Said { blank: Some(data::length(design)?), ..Said::take(&mut keywords)? };
         keywords.finish()?;
         let design = data::dataset(py, design, &said)?.data;
-        let readings = data::in_curves_of(&self.data, &design)?;
+        let nuisances = &self.fit.outcome.settings.nuisances;
+        let alike = ![nuisances.scale, nuisances.background].contains(&Extent::PerCurve);
+        let readings = data::in_curves_of(&self.data, &design, alike)?;
         let found = py.detach(|| predict(&self.data, &self.fit, &readings)).map_err(|error| of_fit(py, &error))?;
         let all = data::columns(py, &design)?;
         all.del_item("intensity")?;

@@ -33,7 +33,7 @@ def test_between_the_readings_it_is_the_forward_model(data: Path) -> None:
 
 
 def test_what_cannot_be_predicted_says_why(data: Path) -> None:
-    found = morpho_fit.fit(data / "blue_morpho.csv", local=True)
+    found = morpho_fit.fit(data / "blue_morpho.csv", scale="per-curve", local=True)
     design = {"wavelength_nm": [450.0], "theta_deg": [0.0], "phi_deg": [0.0], "omega_deg": [0.0]}
     with pytest.raises(ValueError, match="no curve `data`; name one in a column `curve`: `spectrum at omega 0`"):
         found.predict(design)
