@@ -388,7 +388,7 @@ fn a_plan_is_checked_before_it_is_measured() {
     assert!(checked.ends_with("Nothing more is needed.\n"), "{checked}");
     let refused = run(&folder, "plan.csv");
     assert!(
-        refused.code == 1 && refused.err.contains("column `intensity` is missing"),
+        refused.code == 3 && refused.err.contains("column `intensity` is missing"),
         "{} {}",
         refused.code,
         refused.err

@@ -78,15 +78,21 @@ impl Estimate {
                 }
             }
         }
-        if !is_ambiguous && let Some([low, high]) = self.interval_95 {
-            let half = match (low, high) {
-                (Some(low), Some(high)) => 0.5 * (high - low),
-                (Some(end), None) | (None, Some(end)) => (end - value).abs(),
-                (None, None) => 0.0,
-            };
-            self.sigma = Some(sigma.max(half / quantiles.ninety_five));
+        if !is_ambiguous {
+            self.widen_to_interval(quantiles.ninety_five);
         }
         self.mark_open_ends();
+    }
+
+    /// Makes the standard deviation no less than half the interval of 95 % over its `quantile`.
+    pub(crate) fn widen_to_interval(&mut self, quantile: f64) {
+        let (Some(value), Some(sigma), Some(interval)) = (self.value, self.sigma, self.interval_95) else { return };
+        let half = match interval {
+            [Some(low), Some(high)] => 0.5 * (high - low),
+            [Some(end), None] | [None, Some(end)] => (end - value).abs(),
+            [None, None] => 0.0,
+        };
+        self.sigma = Some(sigma.max(half / quantile));
     }
 
     /// Marks a value on a bound: ambiguous if a value inside fits as well, since then the data do not ask for wider bounds.

@@ -68,6 +68,14 @@ impl Quantity {
         }
     }
 
+    /// A change that matters, inside unit.
+    pub(crate) fn typical_change(self) -> f64 {
+        match self {
+            Self::Parameter(parameter) => parameter.typical_change(),
+            Self::Period | Self::OpticalSum { .. } => Parameter::DAir.typical_change(),
+        }
+    }
+
     /// What the fit says of it.
     pub(crate) fn estimate(self, outcome: &FitOutcome) -> &Estimate {
         match self {

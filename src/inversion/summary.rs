@@ -14,6 +14,7 @@ use crate::inversion::parameter::{COUNT, Parameter};
 use crate::inversion::plan::PlannedReading;
 use crate::inversion::problem::{Evaluation, Problem};
 use crate::inversion::quantity::indices;
+use crate::inversion::reach::reach;
 use crate::inversion::residuals::{by_curve, curve_residuals, neighbours, tests_by_curve, worst_curve};
 use crate::inversion::settings::Search;
 use crate::inversion::space::Space;
@@ -103,6 +104,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let widened_by = by_misfit * by_structure * by_spread;
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
+    reach(found, unit, uncertainty.quantiles, &mut estimates, &mut derived);
     let left = if found.robust.is_empty() {
         chi2
     } else {

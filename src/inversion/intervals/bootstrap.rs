@@ -107,7 +107,7 @@ pub fn bootstrap(
     let draws = Draws::new(&compiled, fit);
     let starts: Vec<[f64; COUNT]> = std::iter::once(&solution.best)
         .map(|best| solution.space.freedom.expand(&best.parameters))
-        .chain(rivals(solution).map(|rival| solution.searched.freedom.expand(&rival.parameters)))
+        .chain(rivals(solution, solution.unit).map(|rival| solution.searched.freedom.expand(&rival.parameters)))
         .collect();
     let done = AtomicUsize::new(0);
     let of = match settings.resampling {

@@ -11,9 +11,10 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
+use crate::inversion::conditional::lowest;
 use crate::inversion::constant::Constant;
 use crate::inversion::fit::{FitError, fit};
-use crate::inversion::intervals::profile::{LOWER, lowest};
+use crate::inversion::intervals::profile::LOWER;
 use crate::inversion::intervals::{IntervalPair, Quantiles, rivals, stretched};
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::{COUNT, outside};
@@ -199,7 +200,7 @@ impl Along<'_> {
         (self.progress)(&format!("fitting with {} {value:.4}", self.constant));
         let mut all: Vec<DVector<f64>> = starts.iter().map(|start| (*start).clone()).collect();
         let neighbours = all.len();
-        all.extend(rivals(&self.base.solution).map(|minimum| minimum.parameters.clone()));
+        all.extend(rivals(&self.base.solution, self.base.solution.unit).map(|minimum| minimum.parameters.clone()));
         self.at(value, |problem, _| lowest(problem, &all, neighbours))
     }
 

@@ -81,9 +81,9 @@ pub(crate) fn stretched(
     }
 }
 
-/// Minima beside the best that are not far above it.
-pub(crate) fn rivals(solution: &Solution) -> impl Iterator<Item = &Minimum> {
+/// Minima beside the best that are not far above it; `unit` is the standard deviation of a weighted residual.
+pub(crate) fn rivals(solution: &Solution, unit: f64) -> impl Iterator<Item = &Minimum> {
     let best = solution.minima.first().map_or(0.0, |minimum| minimum.sum_of_squares);
-    let far = RIVAL * solution.unit * solution.unit;
+    let far = RIVAL * unit * unit;
     solution.minima.iter().skip(1).filter(move |minimum| minimum.sum_of_squares - best < far).take(RIVALS)
 }

@@ -100,7 +100,7 @@ pub fn posterior(
     };
     let seen = Seen::new(&compiled, &solution.searched);
     let modes: Vec<Mode> = std::iter::once(&solution.minima[0])
-        .chain(rivals(solution))
+        .chain(rivals(solution, solution.unit))
         .filter_map(|minimum| mode(solution, minimum))
         .map(|mode| seen.restrict(&mode))
         .collect();

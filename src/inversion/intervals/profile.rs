@@ -2,23 +2,17 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
+use crate::inversion::conditional::Conditionals;
 use crate::inversion::fit::FitError;
 use crate::inversion::intervals::{IntervalPair, Quantiles, rivals, stretched};
 use crate::inversion::outcome::Fit;
 use crate::inversion::parameter::{COUNT, outside};
-use crate::inversion::problem::Problem;
 use crate::inversion::quantity::Quantity;
-use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
-use crate::optimise::{LeastSquares, Minimum, Tolerances, minimise};
-use crate::uncertainty::profile::{Conditional, ProfileStart, profile};
+use crate::uncertainty::profile::profile;
 use nalgebra::DVector;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
-/// Where the covariance gives no standard deviation, the first steps are this share of the range.
-const BLIND: f64 = 0.1;
-/// Tolerances of a conditional minimum: the cost to far less than the 0.004 of chi² that the ends are found to.
-const CONDITIONAL: Tolerances = Tolerances { cost: 1e-9, step: 1e-8, gradient: 1e-11, max_evaluations: 80, escapes: 2 };
 /// A conditional minimum this far below the best, in chi², is another minimum and no rounding.
 pub(super) const LOWER: f64 = 0.01;
 
@@ -74,114 +68,65 @@ pub fn profiles(data: &Dataset, fit: &Fit, progress: &(dyn Fn(&str) + Sync)) -> 
     let model = fit.outcome.settings.forward()?;
     let compiled = Compiled::of_fit(data, fit, model.as_ref())?;
     let quantities = Quantity::moving(&compiled, &fit.solution.searched);
-    let task = Task { compiled: &compiled, fit };
+    let solution = &fit.solution;
+    let searched = &solution.searched;
+    let others = (rivals(solution, solution.unit).map(|minimum| searched.freedom.expand(&minimum.parameters)))
+        .chain(solution.open().flat_map(|held| held.elsewhere.clone()))
+        .collect();
+    let conditionals = Conditionals { compiled: &compiled, solution, others, unit: solution.unit };
     let found: Vec<(QuantityProfile, Option<[f64; COUNT]>)> = quantities
         .par_iter()
         .filter(|quantity| quantity.can_be_held(&compiled.settings.roles, &fit.solution.searched))
         .map(|&quantity| {
             progress(&format!("profile of {}", quantity.name()));
-            task.profile(quantity)
+            profile_of(&conditionals, fit, quantity)
         })
         .collect();
     let lower = found.iter().find_map(|(_, lower)| *lower);
     Ok(Profiles { quantities: found.into_iter().map(|(profile, _)| profile).collect(), lower })
 }
 
-struct Task<'a> {
-    compiled: &'a Compiled<'a>,
-    fit: &'a Fit,
-}
-
-impl Task<'_> {
-    fn profile(&self, quantity: Quantity) -> (QuantityProfile, Option<[f64; COUNT]>) {
-        let Solution { searched, minima, unit, robust, .. } = &self.fit.solution;
-        let best = &minima[0];
-        let values = searched.freedom.expand(&best.parameters);
-        let limits = quantity.limits(searched);
-        let sigma = quantity.estimate(&self.fit.outcome).sigma.map(|sigma| quantity.inside(sigma));
-        let others: Vec<[f64; COUNT]> = (rivals(&self.fit.solution)
-            .map(|minimum| searched.freedom.expand(&minimum.parameters)))
-        .chain(self.fit.solution.open().flat_map(|held| held.elsewhere.clone()))
+fn profile_of(
+    conditionals: &Conditionals<'_>,
+    fit: &Fit,
+    quantity: Quantity,
+) -> (QuantityProfile, Option<[f64; COUNT]>) {
+    let searched = &fit.solution.searched;
+    let sigma = quantity.estimate(&fit.outcome).sigma.map(|sigma| quantity.inside(sigma));
+    let start = conditionals.start(quantity, sigma);
+    let limits = start.limits;
+    let conditional = |value: f64, starts: &[&DVector<f64>]| conditionals.at(quantity, value, starts);
+    let Quantiles { sixty_eight, ninety_five } = Quantiles::of(&fit.outcome);
+    let found = profile(conditional, &start, &[sixty_eight, ninety_five]);
+    let parameters_at = |value: f64, others: &DVector<f64>| {
+        let roles = quantity.held(&fit.outcome.settings.roles, searched, value);
+        let space = roles.and_then(|roles| Space::new(&roles).ok());
+        let space = space.filter(|space| space.freedom.free.len() == others.len());
+        space.map(|space| outside(&space.freedom.expand(others)))
+    };
+    let points: Vec<(f64, f64, [f64; COUNT])> = (found.points.iter())
+        .filter_map(|point| {
+            let parameters = parameters_at(point.value, &point.others)?;
+            Some((quantity.outside(point.value), point.excess, parameters))
+        })
         .collect();
-        // The spaces of one quantity differ in the held value alone: the free parameters are numbered alike.
-        let conditional = |value: f64, starts: &[&DVector<f64>]| {
-            let roles = quantity.held(&self.compiled.settings.roles, searched, value)?;
-            let space = Space::new(&roles).ok()?;
-            let problem = Problem::new(self.compiled, &space, robust);
-            let mut all: Vec<DVector<f64>> = starts
-                .iter()
-                .filter(|start| start.len() == space.freedom.free.len())
-                .map(|start| (*start).clone())
-                .collect();
-            let neighbours = all.len();
-            // A held quantity moves the follower of a link, not what is free beside it.
-            all.extend(others.iter().map(|other| space.freedom.restrict(other)));
-            lowest(&problem, &all, neighbours)
-        };
-        let at_best = quantity.held(&self.compiled.settings.roles, searched, quantity.of(&values));
-        let own = at_best.and_then(|roles| Space::new(&roles).ok()).map(|space| space.freedom.restrict(&values));
-        let start = ProfileStart {
-            value: quantity.of(&values),
-            others: own.unwrap_or_else(|| DVector::zeros(0)),
-            // Under a robust loss a minimum's own residuals are those of the loss.
-            sum_of_squares: Problem::new(self.compiled, searched, robust).residuals(&best.parameters).norm_squared(),
-            sigma: sigma.unwrap_or(BLIND * (limits.1 - limits.0)).min(limits.1 - limits.0).max(f64::MIN_POSITIVE),
-            limits,
-            unit: *unit,
-        };
-        let Quantiles { sixty_eight, ninety_five } = Quantiles::of(&self.fit.outcome);
-        let found = profile(conditional, &start, &[sixty_eight, ninety_five]);
-        let parameters_at = |value: f64, others: &DVector<f64>| {
-            let roles = quantity.held(&self.compiled.settings.roles, searched, value);
-            let space = roles.and_then(|roles| Space::new(&roles).ok());
-            let space = space.filter(|space| space.freedom.free.len() == others.len());
-            space.map(|space| outside(&space.freedom.expand(others)))
-        };
-        let points: Vec<(f64, f64, [f64; COUNT])> = (found.points.iter())
-            .filter_map(|point| {
-                let parameters = parameters_at(point.value, &point.others)?;
-                Some((quantity.outside(point.value), point.excess, parameters))
-            })
-            .collect();
-        let lowest = points.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        let lower = lowest.filter(|point| point.1 < -LOWER).map(|point| point.2);
-        let outside = |interval: [Option<f64>; 2]| interval.map(|end| end.map(|end| quantity.outside(end)));
-        let interval = |place: usize| found.intervals.get(place).copied().map_or([None, None], outside);
-        let intervals = IntervalPair { interval_68: interval(0), interval_95: interval(1) };
-        let outer = [quantity.outside(limits.0), quantity.outside(limits.1)];
-        let profile = QuantityProfile {
-            name: quantity.name(),
-            unit: quantity.unit(),
-            best: quantity.outside(start.value),
-            sigma: sigma.map(|sigma| quantity.outside(sigma)),
-            values: points.iter().map(|point| point.0).collect(),
-            excess: points.iter().map(|point| point.1).collect(),
-            parameters: points.iter().map(|point| point.2).collect(),
-            intervals: stretched(intervals, quantity, self.fit, quantity.outside(start.value), outer),
-            limits: outer,
-            levels: [sixty_eight * sixty_eight, ninety_five * ninety_five],
-        };
-        (profile, lower)
-    }
-}
-
-/// The lowest of the minima that the starts lead to, the first `neighbours` of which are of one basin.
-pub(super) fn lowest(problem: &Problem<'_>, starts: &[DVector<f64>], neighbours: usize) -> Option<Conditional> {
-    if problem.bounds().is_empty() {
-        let sum_of_squares = problem.residuals(&DVector::zeros(0)).norm_squared();
-        return Some(Conditional { sum_of_squares, others: DVector::zeros(0) });
-    }
-    let run = |start: &DVector<f64>| minimise(problem, &problem.bounds().clamp(start), CONDITIONAL);
-    let mut best: Option<Minimum> = None;
-    for (place, start) in starts.iter().enumerate() {
-        // The neighbours' extrapolation comes first; the neighbours themselves are for when that fails.
-        if place < neighbours && best.as_ref().is_some_and(|best| best.termination.was_successful()) {
-            continue;
-        }
-        let found = run(start);
-        if best.as_ref().is_none_or(|best| found.sum_of_squares < best.sum_of_squares) {
-            best = Some(found);
-        }
-    }
-    best.map(|best| Conditional { sum_of_squares: best.sum_of_squares, others: best.parameters })
+    let lowest = points.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let lower = lowest.filter(|point| point.1 < -LOWER).map(|point| point.2);
+    let outside = |interval: [Option<f64>; 2]| interval.map(|end| end.map(|end| quantity.outside(end)));
+    let interval = |place: usize| found.intervals.get(place).copied().map_or([None, None], outside);
+    let intervals = IntervalPair { interval_68: interval(0), interval_95: interval(1) };
+    let outer = [quantity.outside(limits.0), quantity.outside(limits.1)];
+    let profile = QuantityProfile {
+        name: quantity.name(),
+        unit: quantity.unit(),
+        best: quantity.outside(start.value),
+        sigma: sigma.map(|sigma| quantity.outside(sigma)),
+        values: points.iter().map(|point| point.0).collect(),
+        excess: points.iter().map(|point| point.1).collect(),
+        parameters: points.iter().map(|point| point.2).collect(),
+        intervals: stretched(intervals, quantity, fit, quantity.outside(start.value), outer),
+        limits: outer,
+        levels: [sixty_eight * sixty_eight, ninety_five * ninety_five],
+    };
+    (profile, lower)
 }
