@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use morpho_fit::dataset::Dataset;
-use morpho_fit::inversion::{Extent, FitOutcome, FitSettings, Nuisances, Status, fit};
+use morpho_fit::inversion::{Estimate, Extent, FitOutcome, FitSettings, Nuisances, Parameters, Status, fit};
 use morpho_fit::optics::{BlendModel, Structure};
 use morpho_fit::synthetic::{Scan, linspace, simulate};
 use morpho_fit::units::radians;
@@ -74,7 +74,7 @@ fn tilt_and_lobe_that_do_as_one_widen_the_intervals_of_the_layers() {
     let truth = Structure { delta: radians(2.5), ..Structure::blue() };
     let sum = truth.d_air + 1.56 * truth.d_cuticle;
     let scan = Scan { wavelengths: linspace(380.0, 740.0, 73), ..Scan::spectrum(90.0) };
-    let (mut held, mut as_one) = (0, 0);
+    let (mut held, mut as_one, mut even) = (0, 0, 0);
     for seed in 0..40 {
         let data = simulate(&BlendModel::default(), &truth, std::slice::from_ref(&scan), 1.0, 0.01, seed).unwrap();
         let found = told(&data, &settings);
@@ -88,9 +88,18 @@ fn tilt_and_lobe_that_do_as_one_widen_the_intervals_of_the_layers() {
         let of = |i: usize, j: usize| found.covariance.rows[i][j];
         let by_covariance = (of(air, air) + 2.0 * 1.56 * of(air, cuticle) + 1.56 * 1.56 * of(cuticle, cuticle)).sqrt();
         assert_relative_eq!(of(air, air).sqrt(), found.parameters.d_air.sigma.unwrap(), max_relative = 1e-9);
-        assert_relative_eq!(by_covariance, found.derived.optical_sum.sigma.unwrap(), max_relative = 0.1);
+        // Where chi² is no parabola, intervals reach farther, each by itself.
+        let is_even = |estimate: &Estimate| {
+            let (value, [low, high]) = (estimate.value.unwrap(), estimate.interval_95.unwrap());
+            low.zip(high).is_some_and(|(low, high)| (high + low - 2.0 * value).abs() < 1e-6 * (high - low))
+        };
+        let Parameters { d_air, d_cuticle, .. } = &found.parameters;
+        if [d_air, d_cuticle, &found.derived.optical_sum].into_iter().all(is_even) {
+            even += 1;
+            assert_relative_eq!(by_covariance, found.derived.optical_sum.sigma.unwrap(), max_relative = 0.1);
+        }
         let [low, high] = found.derived.optical_sum.interval_95.unwrap();
         held += usize::from(low.is_none_or(|low| low <= sum) && high.is_none_or(|high| sum <= high));
     }
-    assert!(as_one >= 30 && held >= 36, "{held} of 40, {as_one} as one");
+    assert!(as_one >= 30 && held >= 36 && even >= 20, "{held} of 40, {as_one} as one, {even} even");
 }

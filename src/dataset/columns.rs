@@ -223,7 +223,7 @@ impl Layout {
             return Err(Finding::at_line(line, FindingKind::LooksWide));
         }
         let mut layout = Self::from_constants(headings.clone(), &options.constants);
-        let mut suggested = Vec::new();
+        let (mut suggested, mut unused) = (Vec::new(), 0);
         for (index, heading) in headings.iter().enumerate().filter(|(index, _)| !apart.contains(index)) {
             let column = || Some(Column::in_file(index, heading));
             let known = Quantity::ALL.into_iter().find(|quantity| quantity.name() == heading);
@@ -244,7 +244,10 @@ impl Layout {
                     let kind = FindingKind::NearMiss { meant: meant.name(), holds: meant.holds() };
                     found.push(Some(Place::Line(line)), column(), kind);
                 }
-                None => notes.push(format!("{} is not used", Column::in_file(index, heading))),
+                None => {
+                    unused += 1;
+                    notes.push(format!("{} is not used", Column::in_file(index, heading)));
+                }
             }
         }
         for quantity in Quantity::ALL.into_iter().filter(|quantity| quantity.required()) {
@@ -252,7 +255,8 @@ impl Layout {
             if !absent || layout.is_constant(quantity) || suggested.contains(&quantity) {
                 continue;
             }
-            if quantity == Quantity::Intensity && options.plan {
+            // A column that is left over may be the intensities under another name.
+            if quantity == Quantity::Intensity && options.plan && unused == 0 {
                 layout.plan = true;
                 notes.push(PLAN.to_owned());
             } else {

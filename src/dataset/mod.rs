@@ -21,6 +21,7 @@
 //!
 //! This module opens no file.
 
+mod angles;
 mod cells;
 mod checks;
 mod columns;
@@ -37,15 +38,17 @@ mod text;
 mod wide;
 mod write;
 
+pub use self::angles::note_on_angles;
 pub use self::findings::{Column, Finding, Findings, Place};
 pub use self::kind::{FindingKind, NumberHint};
-pub use self::options::{Constants, PLAN, ReadOptions, WideHeading};
+pub use self::options::{Constants, ReadOptions, WideHeading};
 pub use self::parts::{Part, SplitBy, split_csv};
 pub use self::read::{check_headings, read_csv};
 pub use self::write::{NotWide, to_csv, to_wide_csv};
 
 use self::checks::{Seen, curve_name, hex_sha256};
 use self::findings::Collector;
+use self::options::PLAN;
 use crate::geometry::{Geometry, Polarization};
 
 /// One measured value and where it was measured.
@@ -206,6 +209,12 @@ impl Dataset {
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// Whether it is a plan, whose intensities are all 0 because there are none: see [`ReadOptions::plan`].
+    #[must_use]
+    pub fn is_plan(&self) -> bool {
+        self.notes.iter().any(|note| note == PLAN)
     }
 
     /// SHA-256 of the bytes that were read, or of the values where none were, 64 hexadecimal digits.

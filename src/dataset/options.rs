@@ -32,8 +32,8 @@ pub enum WideHeading {
     Curve,
 }
 
-/// The note of a file that is a plan: see [`ReadOptions::plan`].
-pub const PLAN: &str = "there is no column `intensity`: a plan of a measurement";
+/// The note of a file that is a plan.
+pub(super) const PLAN: &str = "there is no column `intensity`: a plan of a measurement";
 
 /// How to read a file.
 ///
@@ -59,8 +59,8 @@ pub struct ReadOptions {
     pub max_bytes: u64,
     /// Number of free parameters: fewer readings are a finding; 0 by default.
     pub required_readings: usize,
-    /// A file in the tidy form may be a plan: it needs no column `intensity`, and where there is none all are 0, which
-    /// [`PLAN`] notes. `false` by default.
+    /// A file in the tidy form may be a plan, [`Dataset::is_plan`](super::Dataset::is_plan): it needs no column `intensity`, and where
+    /// there is none, and none that could be it, all are 0. `false` by default.
     pub plan: bool,
 }
 

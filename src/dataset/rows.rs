@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use csv::StringRecord;
 
+use super::angles::note_on_angles;
 use super::cells::{DecimalMark, number};
 use super::checks::{self, Seen};
 use super::columns::{Given, Layout, Source};
@@ -12,15 +13,10 @@ use super::kind::FindingKind;
 use super::options::ReadOptions;
 use super::{Dataset, Reading};
 use crate::geometry::{Geometry, Polarization};
-use crate::units::{degrees, radians};
+use crate::units::radians;
 
 /// Name of the only record of a file that names none.
 const UNNAMED: &str = "data";
-/// Different angles that make a scan.
-const SCAN: usize = 5;
-/// A scan is rarely narrower than 30 degrees, or than as many degrees as there are radians in a quarter turn, rounded up.
-const LEAST_RADIANS: f64 = 0.5;
-const MOST_RADIANS: f64 = 1.58;
 
 /// The rows read so far.
 #[derive(Debug)]
@@ -224,31 +220,13 @@ impl Rows {
         if self.marks[0].is_some() {
             notes.push("numbers have decimal commas".to_owned());
         }
-        notes.extend(may_be_radians(&self.readings));
+        notes.extend(note_on_angles(&self.readings));
         let mut curves = self.layout.curves;
         if curves.is_empty() {
             curves.push(UNNAMED.to_owned());
         }
         Ok(Dataset::checked(self.readings, curves, notes, sha256))
     }
-}
-
-/// A note on a scan whose angles end where those in radians do.
-fn may_be_radians(readings: &[Reading]) -> Option<String> {
-    let angles = |of: fn(&Reading) -> f64| readings.iter().map(move |reading| degrees(of(reading)));
-    let columns = [|reading: &Reading| reading.geometry.theta, |reading: &Reading| reading.geometry.phi];
-    let most = columns.iter().flat_map(|of| angles(*of)).map(f64::abs).fold(0.0, f64::max);
-    let is_scan = |of| {
-        let mut values: Vec<f64> = Vec::with_capacity(SCAN);
-        angles(of).any(|angle| {
-            if !values.contains(&angle) {
-                values.push(angle);
-            }
-            values.len() == SCAN
-        })
-    };
-    let likely = (LEAST_RADIANS..=MOST_RADIANS).contains(&most) && columns.into_iter().any(is_scan);
-    likely.then(|| format!("no angle is beyond {most:.2} degrees: if they are radians, write them in degrees"))
 }
 
 /// What is wrong with a row as a whole.

@@ -113,7 +113,11 @@ pub fn expected(
     progress("asking what to measure besides");
     let good = is_good(&found.outcome);
     let proposals = if good { Vec::new() } else { advise(&design, &found, Ask::Always)? };
-    let noise = if data.has_sigma() { "the stated sigma".to_owned() } else { "noise of 1 % of the peak".to_owned() };
+    let noise = match (data.has_sigma(), data.is_plan()) {
+        (true, false) => "the stated sigma",
+        (true, true) => "the stated sigma, of readings that are reflectivities (a peak of about 1)",
+        (false, _) => "noise of 1 % of the peak",
+    };
     progress("trying other structures");
     let mut elsewhere = elsewhere(data, &settings, model.as_ref());
     for (elsewhere, (_, estimate)) in elsewhere.iter_mut().zip(quantities(&found.outcome)) {

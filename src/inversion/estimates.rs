@@ -278,10 +278,17 @@ impl Uncertainty {
             }
         }
         estimate.allow_for(&elsewhere(found, self.unit, value), noticeable, &self.quantiles);
-        if estimate.status == Status::Ambiguous && estimate.covered(self.quantiles.ninety_five) > ALL {
+        self.withdraw_if_anywhere(&mut estimate);
+        estimate
+    }
+
+    /// Takes back an ambiguous value whose answers lie anywhere within the bounds.
+    fn withdraw_if_anywhere(&self, estimate: &mut Estimate) {
+        let is_open = matches!(estimate.interval_95, Some([None, None]));
+        let is_anywhere = is_open || estimate.covered(self.quantiles.ninety_five) > ALL;
+        if estimate.status == Status::Ambiguous && is_anywhere {
             estimate.withdraw();
         }
-        estimate
     }
 
     /// Names of the parameters whose correlation with `parameter` is beyond [`CORRELATED`].
@@ -347,6 +354,7 @@ impl Uncertainty {
             let noticeable = NOTICEABLE * Parameter::DAir.typical_change();
             let elsewhere = elsewhere(found, self.unit, |values| quantity.of(values));
             estimate.allow_for(&elsewhere, noticeable, &self.quantiles);
+            self.withdraw_if_anywhere(&mut estimate);
             estimate
         };
         Derived { period: of(Quantity::Period), optical_sum: of(Quantity::OpticalSum { gap, cuticle }) }

@@ -74,6 +74,17 @@ pub enum FitError {
         /// Curves of the data.
         curves: usize,
     },
+    /// A reading in a plane that its curve was not measured in.
+    #[error(
+        "curve {curve}, counting from 0, was not measured in the plane of a reading: nothing tells how bright it is there"
+    )]
+    NoScale {
+        /// Curve of the reading.
+        curve: usize,
+    },
+    /// Data that were planned and not measured.
+    #[error("the data are a plan without intensities: measure them, or ask what they would tell (morpho-fit check)")]
+    Plan,
     /// A bootstrap of a fit with a robust loss.
     #[error(
         "the bootstrap needs the linear loss: it would draw outliers onto other readings; profile and sample do without"
@@ -158,8 +169,11 @@ pub fn fit(data: &Dataset, settings: &FitSettings, progress: &(dyn Fn(&str) + Sy
     fit_compiled(&compiled, thin.as_ref(), progress)
 }
 
-/// Refuses intensities whose squares leave the range of numbers.
+/// Refuses a plan, and intensities whose squares leave the range of numbers.
 pub(crate) fn check(data: &Dataset) -> Result<(), FitError> {
+    if data.is_plan() {
+        return Err(FitError::Plan);
+    }
     let largest = data.largest();
     if largest > 1e100 || (largest > 0.0 && largest < 1e-100) { Err(FitError::Unit { largest }) } else { Ok(()) }
 }

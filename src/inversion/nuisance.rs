@@ -265,6 +265,35 @@ impl LinearPart {
         (self.weight * of(a), of(b), background.map_or(0.0, |i| coefficients[i]))
     }
 
+    /// Factors on A and on B wherever a reading of a curve may lie, and its background: those of [`LinearPart::factors`] hold where the
+    /// curve was measured. `None` for a part of which nothing that was measured tells the factor.
+    pub(crate) fn factors_anywhere(
+        &self,
+        nuisances: &Nuisances,
+        plan: &Plan<'_>,
+        curve: usize,
+        coefficients: &DVector<f64>,
+    ) -> (Option<f64>, Option<f64>, f64) {
+        let owner = (nuisances.scale == Extent::PerCurve).then_some(curve);
+        let fitted = |multiplies| {
+            let place = self.columns.iter().position(|column| *column == Column { multiplies, curve: owner });
+            place.map(|place| coefficients[place])
+        };
+        let scaled = |multiplies| if nuisances.scale == Extent::None { Some(1.0) } else { fitted(multiplies) };
+        let (a, b) = match nuisances.weight {
+            Weight::Fixed(weight) => (scaled(Multiplies::Both).map(|scale| weight * scale), scaled(Multiplies::Both)),
+            Weight::Fitted if plan.has_lamella() && plan.has_multilayer() => {
+                (fitted(Multiplies::Lamella), scaled(Multiplies::Multilayer))
+            }
+            // One plane alone tells no weight.
+            Weight::Fitted => {
+                let scale = scaled(Multiplies::Both);
+                (scale.filter(|_| plan.has_lamella()), scale.filter(|_| plan.has_multilayer()))
+            }
+        };
+        (a, b, self.factors(curve, coefficients).2)
+    }
+
     /// Columns whose coefficient is above 0, weighted, `[m, q]`: the part of the model that a projection removes.
     pub(crate) fn design(
         &self,

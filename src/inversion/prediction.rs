@@ -25,8 +25,9 @@ pub struct Predicted {
 /// Intensity, sigma and line of `readings` are not looked at.
 ///
 /// # Errors
-/// [`FitError::OtherData`] if `data` are not those of the fit, [`FitError::NoCurve`] for a reading of no curve of theirs, and
-/// [`FitError::Optics`] or [`FitError::NotFinite`] where the model has no value.
+/// [`FitError::OtherData`] if `data` are not those of the fit, [`FitError::NoCurve`] for a reading of no curve of theirs,
+/// [`FitError::NoScale`] for one in a plane whose scale or weight the data do not tell, and [`FitError::Optics`] or
+/// [`FitError::NotFinite`] where the model has no value.
 ///
 /// ```
 /// use morpho_fit::dataset::Reading;
@@ -60,9 +61,15 @@ pub fn predict(data: &Dataset, fit: &Fit, readings: &[Reading]) -> Result<Vec<Pr
     let plan = Plan::of_readings(readings, model.as_ref(), settings.parts, curves)?;
     let terms = plan.terms(&point.values);
     let predicted = plan.readings().iter().map(|reading| {
-        let (on_a, on_b, background) = compiled.linear.factors(reading.curve, &point.coefficients);
+        let (on_a, on_b, background) =
+            compiled.linear.factors_anywhere(&settings.nuisances, &compiled.plan, reading.curve, &point.coefficients);
         let (a, b) = plan.parts(reading, terms.view());
-        let (lamella, multilayer) = (on_a * a, on_b * b);
+        let scaled = |part: f64, share: f64, factor: Option<f64>| match factor {
+            _ if share <= 0.0 => Ok(0.0),
+            Some(factor) => Ok(factor * part),
+            None => Err(FitError::NoScale { curve: reading.curve }),
+        };
+        let (lamella, multilayer) = (scaled(a, reading.share_a, on_a)?, scaled(b, reading.share_b, on_b)?);
         let model = lamella + multilayer + background;
         if model.is_finite() { Ok(Predicted { model, lamella, multilayer, background }) } else { Err(nowhere()) }
     });
@@ -72,11 +79,13 @@ pub fn predict(data: &Dataset, fit: &Fit, readings: &[Reading]) -> Result<Vec<Pr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Geometry;
     use crate::inversion::fit::fit;
-    use crate::inversion::nuisance::{Extent, Nuisances};
+    use crate::inversion::nuisance::{Extent, Nuisances, Weight};
     use crate::inversion::outcome::FittedReading;
+    use crate::inversion::parameter::{Parameter, Role};
     use crate::inversion::settings::{FitSettings, ModelChoice, Search};
-    use crate::optics::{BlendModel, Structure};
+    use crate::optics::{BlendModel, ReflectivityModel, Structure};
     use crate::optimise::Loss;
     use crate::synthetic::{Scan, simulate};
 
@@ -107,6 +116,44 @@ mod tests {
             for (row, own) in found.readings.iter().zip(predicted) {
                 let FittedReading { model, lamella, multilayer, background, .. } = *row;
                 assert_eq!(own, Predicted { model, lamella, multilayer, background });
+            }
+        }
+    }
+
+    /// In whatever plane a reading of whatever curve lies: three times the model, or nothing tells its scale.
+    #[test]
+    fn a_scale_holds_in_every_plane_that_tells_it() {
+        let (model, blue) = (BlendModel::default(), Structure::blue());
+        let scans = Scan::full_design(&model, &blue).unwrap();
+        let truth = crate::inversion::values(&blue);
+        let roles = Parameter::ALL.map(|parameter| Role::Fixed { value: truth[parameter.index()] });
+        // The curves, which of them are measured across the ridges, and whether the scale of the other plane is known.
+        for (scans, across, scale, weight, elsewhere) in [
+            (&scans[..], &[true, true, false, false][..], Extent::Shared, Weight::Fitted, true),
+            (&scans[..], &[true, true, false, false], Extent::Shared, Weight::Fixed(1.0), true),
+            (&scans[..], &[true, true, false, false], Extent::PerCurve, Weight::Fixed(1.0), true),
+            (&scans[..], &[true, true, false, false], Extent::PerCurve, Weight::Fitted, false),
+            (&scans[2..], &[false, false], Extent::Shared, Weight::Fitted, false),
+            (&scans[..2], &[true, true], Extent::Shared, Weight::Fitted, false),
+        ] {
+            let data = simulate(&model, &blue, scans, 3.0, 0.0, 3).unwrap();
+            let nuisances = Nuisances { scale, weight, background: Extent::None };
+            let found = fit(&data, &FitSettings { roles, nuisances, ..FitSettings::default() }, &|_| {}).unwrap();
+            for (curve, &is_across) in across.iter().enumerate() {
+                for omega in [0.0_f64, 45.0, 90.0] {
+                    let mut reading = Reading { curve, wavelength: 455.0, ..data.readings()[0] };
+                    reading.geometry = Geometry { theta: 0.0, phi: 0.0, omega: omega.to_radians() };
+                    let Reading { geometry, polarization, wavelength, .. } = reading;
+                    let own = if is_across { 0.0 } else { 90.0 };
+                    let predicted = predict(&data, &found, &[reading]);
+                    if elsewhere || (omega - own).abs() < 1.0 {
+                        let expected = 3.0 * model.reflectivity(&blue, &geometry, polarization, wavelength).unwrap();
+                        let model = predicted.unwrap()[0].model;
+                        assert!((model - expected).abs() < 1e-9, "{nuisances:?} {curve} {omega}: {model} {expected}");
+                    } else {
+                        assert_eq!(predicted, Err(FitError::NoScale { curve }), "{nuisances:?} {omega}");
+                    }
+                }
             }
         }
     }

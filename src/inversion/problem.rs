@@ -107,10 +107,11 @@ impl<'a> Problem<'a> {
 
     /// The residuals at `point` without the weights of a robust loss.
     pub(crate) fn plain_residuals(&self, point: &Evaluation) -> DVector<f64> {
-        let plain = self.plan.rows.weighted(&[]);
+        // Borrowed weights are those of the data.
         if let Cow::Borrowed(_) = self.weighted.weights {
             return self.residuals_at(point);
         }
+        let plain = self.plan.rows.weighted(&[]);
         let parts = self.plan.rows.parts(point.terms.view(), &plain.weights);
         self.residuals_of(&parts, &plain, &point.coefficients)
     }

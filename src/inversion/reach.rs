@@ -12,7 +12,7 @@ use crate::uncertainty::profile::profile;
 /// Standard deviations below this share of a change that matters are short enough for chi² to be a parabola along them.
 const STRAIGHT: f64 = 0.05;
 /// Where chi² at the end of an interval has risen by less than this share of what it should, the interval ends elsewhere.
-const SHORT: f64 = 0.75;
+const SHORT: f64 = 0.9;
 
 /// Lets the ends of intervals move out to where the profile likelihood has them, if chi² has risen too little at them; with
 /// them the standard deviations. None moves in. `unit` is the standard deviation of a weighted residual.

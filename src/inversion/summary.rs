@@ -160,7 +160,8 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         });
         warnings.push(warnings::may_help(found, verdict));
     }
-    if comparable && !by_chance && excess(chi2, dof) < -OVERSTATED && (HEARD..QUIET).contains(&reduced.sqrt()) {
+    let is_stated = comparable && sigma_source == SigmaSource::Stated && verdict != Verdict::Given;
+    if is_stated && !by_chance && excess(chi2, dof) < -OVERSTATED && (HEARD..QUIET).contains(&reduced.sqrt()) {
         warnings.push(wording::overstated(reduced.sqrt()));
     }
     if missed || by_chance {

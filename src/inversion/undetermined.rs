@@ -146,7 +146,7 @@ pub(crate) fn hold_undetermined(
         held.push(Held { direction, deviation, absorbed, elsewhere });
     }
     let dof = compiled.plan.len().saturating_sub(space.freedom.free.len() + compiled.linear.columns.len());
-    // Under a robust loss a minimum's own residuals may be those of the loss.
+    // Under a robust loss a minimum's own sum of squares may be that of the loss.
     let sum = if robust.is_empty() {
         best.sum_of_squares
     } else {

@@ -45,7 +45,7 @@ pub(crate) fn undetermined(held: &Held, ratio: f64) -> String {
 /// Of stated errors that the residuals do not have; `ratio` is what they scatter by.
 pub(crate) fn overstated(ratio: f64) -> String {
     format!(
-        "the readings scatter by {ratio:.2} of the stated sigma: if sigma is their noise alone, all intervals are too wide"
+        "the residuals scatter by {ratio:.2} of the stated sigma: if sigma is the noise alone, intervals that rest on it are too wide"
     )
 }
 

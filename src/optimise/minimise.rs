@@ -25,7 +25,7 @@ const NEIGHBOURS: [f64; 10] = [1e-1, -1e-1, 1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-
 pub struct Minimum {
     /// Parameters, inside the bounds.
     pub parameters: DVector<f64>,
-    /// Sum of squared residuals there; infinite if one is not finite.
+    /// Sum of squared residuals there, infinite if one is not finite; of a robust fit the cost of its loss.
     pub sum_of_squares: f64,
     /// `J' r` there, of the residuals r and their derivatives J.
     pub gradient: DVector<f64>,

@@ -30,8 +30,9 @@ const BACKGROUND: usize = 6;
 #[must_use]
 pub fn curves_figure(data: &Dataset, fit: &Fit, title: &str, values: &str) -> Figure {
     let (slices, all) = shown(data, PANELS);
-    let mut lines = lines(data, fit, &slices).into_iter();
-    figure(data, fit, title, values, (&slices, all), |view| curve_panel(view, &lines.next().unwrap_or_default()))
+    let lines = lines(data, fit, &slices);
+    let panel = |place: usize, view: &View<'_>| curve_panel(view, &lines[place]);
+    figure(data, fit, title, values, (&slices, all), panel)
 }
 
 /// Residuals in units of their standard deviation, with a band where two of three should lie twice over: ±2.
@@ -40,21 +41,20 @@ pub fn curves_figure(data: &Dataset, fit: &Fit, title: &str, values: &str) -> Fi
 #[must_use]
 pub fn residuals_figure(data: &Dataset, fit: &Fit, title: &str, values: &str) -> Figure {
     let (slices, all) = shown(data, PANELS);
-    figure(data, fit, title, values, (&slices, all), residual_panel)
+    figure(data, fit, title, values, (&slices, all), |_, view| residual_panel(view))
 }
 
 /// The model along each slice by abscissa, at its readings and between them; at its readings alone where it has no value
 /// between them.
 fn lines(data: &Dataset, fit: &Fit, slices: &[Slice]) -> Vec<Vec<(f64, Predicted)>> {
-    let along: Vec<Vec<Reading>> = slices.iter().map(|slice| between(data, slice)).collect();
-    let Ok(predicted) = predict(data, fit, &along.concat()) else {
-        return slices.iter().map(|slice| at_readings(data, fit, slice)).collect();
+    let line = |slice: &Slice| {
+        let readings = between(data, slice);
+        match predict(data, fit, &readings) {
+            Ok(found) => readings.iter().map(|reading| slice.along.abscissa(reading)).zip(found).collect(),
+            Err(_) => at_readings(data, fit, slice),
+        }
     };
-    let mut predicted = predicted.into_iter();
-    let line = |(slice, readings): (&Slice, &Vec<Reading>)| {
-        readings.iter().map(|reading| slice.along.abscissa(reading)).zip(predicted.by_ref()).collect()
-    };
-    slices.iter().zip(&along).map(line).collect()
+    slices.iter().map(line).collect()
 }
 
 /// The readings of a slice, and so many between each two that there are [`POINTS`].
@@ -110,7 +110,7 @@ fn figure(
     title: &str,
     values: &str,
     (slices, all): (&[Slice], usize),
-    mut panel: impl FnMut(&View<'_>) -> Panel,
+    panel: impl Fn(usize, &View<'_>) -> Panel,
 ) -> Figure {
     let drawn = slices.iter().flat_map(|slice| &slice.readings).filter_map(|&index| fit.readings.get(index));
     let height = drawn.map(|fitted| 1.06 * fitted.normalised.abs()).fold(LEAST_HEIGHT, f64::max);
@@ -119,7 +119,7 @@ fn figure(
         let separator = if subtitle.is_empty() { "" } else { " · " };
         subtitle.push_str(&format!("{separator}{} of {all} slices of the data are shown", slices.len()));
     }
-    let panels = slices.iter().map(|slice| {
+    let panels = slices.iter().enumerate().map(|(place, slice)| {
         let view = View {
             along: slice.along,
             data: slice.readings.iter().filter_map(|&index| data.readings().get(index)).collect(),
@@ -127,7 +127,7 @@ fn figure(
             has_sigma: data.has_sigma(),
             height,
         };
-        Panel { title: heading(data, slice), x_label: slice.along.label().to_owned(), ..panel(&view) }
+        Panel { title: heading(data, slice), x_label: slice.along.label().to_owned(), ..panel(place, &view) }
     });
     Figure { title: title.to_owned(), subtitle, panels: panels.collect(), ..Figure::default() }
 }

@@ -4,7 +4,8 @@ use super::arrays::require_real;
 use super::errors::{Defect, of_defects, of_findings, refused};
 use super::words;
 use crate::dataset::{
-    Constants, Dataset, FindingKind, Findings, Place, ReadOptions, Reading, WideHeading, check_headings, read_csv,
+    Constants, Dataset, FindingKind, Findings, Place, ReadOptions, Reading, WideHeading, check_headings,
+    note_on_angles, read_csv,
 };
 use crate::geometry::{Geometry, Polarization};
 use crate::units::radians;
@@ -32,24 +33,14 @@ pub(crate) struct Given {
 pub(crate) struct Said {
     pub(crate) options: ReadOptions,
     pub(crate) intensity_column: Option<String>,
-    /// Of a table that is a design alone: so many readings, whose intensities are 0.
-    pub(crate) blank: Option<usize>,
+    /// Of a table that is a design alone: so many readings, whose intensities are 0, and what has so many.
+    pub(crate) blank: Option<(usize, &'static str)>,
 }
 
 impl Said {
     /// Takes its keywords out of `settings`.
     pub(crate) fn take(settings: &mut super::settings::Keywords<'_>) -> PyResult<Self> {
-        let constants = Constants {
-            wavelength_nm: settings.take("wavelength")?,
-            theta_deg: settings.take("theta")?,
-            phi_deg: settings.take("phi")?,
-            omega_deg: settings.take("omega")?,
-            sigma: settings.take("sigma")?,
-            polarization: settings
-                .take::<String>("polarization")?
-                .map(|word| words::polarization(&word))
-                .transpose()?,
-        };
+        let constants = Constants { sigma: settings.take("sigma")?, ..geometry(settings)? };
         let headings = [("theta", WideHeading::Theta), ("phi", WideHeading::Phi), ("curve", WideHeading::Curve)];
         let wide = settings.take::<String>("wide")?.map(|word| words::choose("wide", &word, &headings)).transpose()?;
         let options = ReadOptions { constants, wide, ..ReadOptions::default() };
@@ -57,8 +48,32 @@ impl Said {
     }
 }
 
+/// Takes the keywords of geometry out of `settings`.
+fn geometry(settings: &mut super::settings::Keywords<'_>) -> PyResult<Constants> {
+    let polarization = settings.take::<String>("polarization")?;
+    Ok(Constants {
+        wavelength_nm: settings.take("wavelength")?,
+        theta_deg: settings.take("theta")?,
+        phi_deg: settings.take("phi")?,
+        omega_deg: settings.take("omega")?,
+        polarization: polarization.map(|word| words::polarization(&word)).transpose()?,
+        sigma: None,
+    })
+}
+
+/// A design without intensities: a table, and what is the same for all of its readings as keywords.
+pub(crate) fn design(
+    py: Python<'_>,
+    table: &Bound<'_, PyAny>,
+    constants: &mut super::settings::Keywords<'_>,
+) -> PyResult<Dataset> {
+    let options = ReadOptions { constants: geometry(constants)?, ..ReadOptions::default() };
+    let said = Said { options, intensity_column: None, blank: Some((length(table)?, "the first column")) };
+    Ok(dataset(py, table, &said)?.data)
+}
+
 /// Number of rows of a table: the length of its first column.
-pub(crate) fn length(table: &Bound<'_, PyAny>) -> PyResult<usize> {
+fn length(table: &Bound<'_, PyAny>) -> PyResult<usize> {
     let names = if table.hasattr("keys")? {
         table.call_method0("keys")?
     } else if table.hasattr("columns")? {
@@ -67,7 +82,9 @@ pub(crate) fn length(table: &Bound<'_, PyAny>) -> PyResult<usize> {
         return Err(refused("design is a table with named columns, such as a dict or a frame"));
     };
     match names.try_iter()?.next().transpose()? {
-        Some(name) => table.get_item(name)?.len(),
+        Some(name) => table.get_item(&name)?.len().map_err(|_| {
+            refused(format!("column `{name}` of design is no array; what is the same for all readings is a keyword"))
+        }),
         None => Err(refused("design has no columns")),
     }
 }
@@ -138,7 +155,7 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
     });
     let blank = said.blank.filter(|_| !names.iter().any(|name| name == intensity));
     let headings = headings.chain(blank.map(|_| "intensity".to_owned()));
-    let notes = check_headings(headings.collect(), &said.options).map_err(|found| of_headings(py, &found))?;
+    let mut notes = check_headings(headings.collect(), &said.options).map_err(|found| of_headings(py, &found))?;
     let column = |name: &str| {
         // A column that is the intensity is nothing else.
         if name != "intensity" && name == intensity {
@@ -152,7 +169,7 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
         [constants.wavelength_nm, constants.theta_deg, constants.phi_deg, constants.omega_deg, None, constants.sigma];
     let mut columns: Vec<Option<Vec<f64>>> = Vec::new();
     for name in NUMBERS {
-        let zeros = said.blank.filter(|_| name == "intensity").map(|readings| vec![0.0; readings]);
+        let zeros = said.blank.filter(|_| name == "intensity").map(|(readings, _)| vec![0.0; readings]);
         columns.push(match zeros {
             None => column(name)?.map(|column| numbers(py, name, &column)).transpose()?,
             zeros => zeros,
@@ -166,7 +183,7 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
     let length = columns[4].as_ref().map_or(0, Vec::len);
     for (name, found) in lengths {
         if found != length {
-            let of = if said.blank.is_some() { "the last axis of intensity" } else { "intensity" };
+            let of = said.blank.map_or("intensity", |(_, of)| of);
             return Err(Defect::of_column(name, format!("{found} values, but {of} has {length}")).raise(py));
         }
     }
@@ -194,6 +211,7 @@ fn of_table(py: Python<'_>, table: &Bound<'_, PyAny>, said: &Said) -> PyResult<G
     }
     let data = py.detach(|| Dataset::from_readings(readings, record.names));
     let data = data.map_err(|findings| of_findings(py, findings, None))?;
+    notes.extend(note_on_angles(data.readings()));
     Ok(Given { data, name: "data".to_owned(), notes })
 }
 

@@ -272,7 +272,7 @@ impl FitResult {
     ///
     /// design has the columns of data but intensity and sigma: a dict of arrays [n] or a frame; what is the same for all readings may be
     /// a keyword: wavelength (nm), theta, phi, omega (degrees), polarization. Where curves have a scale or background each, a column
-    /// curve says which a reading has. Added: model, lamella, multilayer, background.
+    /// curve says which a reading has. No two rows of a curve are alike. Added: model, lamella, multilayer, background.
     #[pyo3(
         signature = (design, **constants),
         text_signature = "($self, design, *, wavelength=None, theta=None, phi=None, omega=None, polarization=None)"
@@ -284,9 +284,8 @@ impl FitResult {
         constants: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let mut keywords = Keywords::of(constants)?;
-        let said = Said { blank: Some(data::length(design)?), ..Said::take(&mut keywords)? };
+        let design = data::design(py, design, &mut keywords)?;
         keywords.finish()?;
-        let design = data::dataset(py, design, &said)?.data;
         let nuisances = &self.fit.outcome.settings.nuisances;
         let alike = ![nuisances.scale, nuisances.background].contains(&Extent::PerCurve);
         let readings = data::in_curves_of(&self.data, &design, alike)?;

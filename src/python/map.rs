@@ -51,7 +51,7 @@ pub(crate) fn fit_map<'py>(
     let Some((&readings, shape)) = intensity.shape().split_last() else {
         return Err(refused("intensity is one number; it must be an array [..., n] with the readings last"));
     };
-    said.blank = Some(readings);
+    said.blank = Some((readings, "the last axis of intensity"));
     // One number for all is read as fit() reads it.
     let sigma = match sigma {
         Some(Column::One(one)) => {

@@ -140,9 +140,14 @@ fn rivals(outcome: &FitOutcome, width: usize) -> String {
         ("weight", right),
         ("", Align::Left),
     ]);
+    let mut is_told = false;
     for (place, minimum) in outcome.minima.iter().filter(|minimum| minimum.fits).take(RIVALS).enumerate() {
         let [number, d_air, d_cuticle, delta, _, _, chi2, weight, relation] = rows::minimum(place, minimum, outcome);
+        is_told |= [&d_air, &d_cuticle, &delta].into_iter().any(|cell| cell != rows::NONE);
         table.row([number, d_air, d_cuticle, delta, chi2, weight, relation]);
+    }
+    if !is_told {
+        return String::new();
     }
     let more = outcome.minima.iter().filter(|minimum| minimum.fits).count().saturating_sub(RIVALS);
     let more = if more > 0 { format!("  and {more} more in fit.json\n") } else { String::new() };

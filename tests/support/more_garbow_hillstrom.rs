@@ -22,7 +22,7 @@
 //! # Source
 //! Moré, Garbow, Hillstrom 1981, Testing unconstrained optimization software, ACM Transactions on Mathematical
 //! Software 7, 17-41: formulas, data, starts, and [`Minimum::printed`]. Problem numbers are the paper's. The points
-//! and the 16 digits of [`|minimum| minimum.sum_of_squares`] were computed with 50 digits by
+//! and the 16 digits of [`Minimum::sum_of_squares`] were computed with 50 digits by
 //! `scripts/reference/more_garbow_hillstrom.py`. Problems 10, 15 and 17 are NIST's MGH10, MGH09 and MGH17.
 
 use std::f64::consts::TAU;

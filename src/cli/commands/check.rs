@@ -6,7 +6,7 @@ use crate::options::Problem;
 use crate::output::{self, WIDTH};
 use crate::progress::Progress;
 use anyhow::{Context, Result};
-use morpho_fit::dataset::{Dataset, PLAN, Reading};
+use morpho_fit::dataset::{Dataset, Reading};
 use morpho_fit::geometry::Polarization;
 use morpho_fit::inversion::{self, AdviceFound, Estimate, ModelChoice, expected};
 use morpho_fit::report::{Align, Table, plain, terminal, with_sigma, wording};
@@ -28,6 +28,8 @@ struct Report {
     coordinates: Vec<Coordinate>,
     polarizations: Vec<Polarization>,
     has_sigma: bool,
+    /// Whether there are no intensities.
+    plan: bool,
     notes: Vec<String>,
     planes: &'static str,
     expected: Expected,
@@ -100,6 +102,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome> {
         coordinates: coordinates(data),
         polarizations: polarizations(data),
         has_sigma: data.has_sigma(),
+        plan: data.is_plan(),
         notes: data.notes().to_vec(),
         planes: planes(data, problem.settings.model),
         expected: of(expected),
@@ -190,7 +193,7 @@ fn planes(data: &Dataset, model: ModelChoice) -> &'static str {
 }
 
 fn text(report: &Report) -> String {
-    let state = if report.notes.iter().any(|note| note == PLAN) { "planned" } else { "ready to fit" };
+    let state = if report.plan { "planned" } else { "ready to fit" };
     let mut text = format!("{}: {} readings, {state}\n\n", report.file, report.readings);
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left), ("", Align::Left)]);
     for coordinate in &report.coordinates {

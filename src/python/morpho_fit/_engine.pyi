@@ -328,7 +328,7 @@ class FitResult:
     def curves(self) -> dict[str, Any]: ...
     def predict(
         self,
-        design: _Data,
+        design: Mapping[str, Any] | _Frame,
         *,
         wavelength: float | None = None,
         theta: float | None = None,
