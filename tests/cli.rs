@@ -156,6 +156,15 @@ fn a_missing_file_ends_with_code_1_and_says_what_to_do() {
     assert_eq!(ended.code, 1);
     assert!(ended.err.contains("morpho-fit simulate") && ended.err.contains("missing.csv"), "{}", ended.err);
     assert!(run(&folder, "chek").err.contains("did you mean `morpho-fit check`?"));
+    for (arguments, hint) in [
+        ("chek blue.csv", "did you mean `morpho-fit check`?"),
+        ("blue.csv --fix d_air=141 d_cuticle=62", "with commas, such as --fix d_air=141,d_cuticle=62"),
+        ("blue.csv --fix d_air 141", "such as --fix d_air=141"),
+        ("blue.csv red.csv", "`morpho-fit batch` takes several"),
+    ] {
+        let refused = run(&folder, arguments);
+        assert!(refused.code == 2 && refused.err.contains(hint), "{arguments}: {}", refused.err);
+    }
     assert_eq!(names(folder.path()), [""; 0]);
 }
 

@@ -29,7 +29,7 @@ fn is_told(estimate: &Estimate) -> bool {
     estimate.status.is_determined()
 }
 
-/// By the covariance alone 90 % of these intervals of 95 % held the truth, of either quantity.
+/// By the covariance alone 91 % of 400 intervals of 95 % held the period.
 #[test]
 fn intervals_hold_the_truth_where_chi2_is_no_parabola() {
     let truth = Structure::blue();

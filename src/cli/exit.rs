@@ -1,6 +1,8 @@
 //! Exit codes, and the one place where an error becomes words on the terminal.
 
+use crate::args::command_meant;
 use crate::output;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use morpho_fit::bsdf::BsdfError;
 use morpho_fit::dataset::Findings;
 use morpho_fit::inversion::{AdviceError, DesignError, FitError, SettingsError};
@@ -11,6 +13,7 @@ use morpho_fit::sweep::SweepError;
 use morpho_fit::synthetic::SimulationError;
 use morpho_fit::table::TableError;
 use std::error::Error;
+use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
 
@@ -85,10 +88,32 @@ fn message(error: &anyhow::Error) -> String {
 }
 
 /// Ends a run whose command line was not understood, or asked for help.
-pub(crate) fn of_command_line(error: &clap::Error) -> ExitCode {
-    // A closed pipe is no reason to complain.
-    let _ = error.print();
+pub(crate) fn of_command_line(error: &clap::Error, line: &[OsString]) -> ExitCode {
+    match word_too_many(error, line) {
+        Some(text) => output::complain(&text),
+        // A closed pipe is no reason to complain.
+        None => drop(error.print()),
+    }
     if error.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS }
+}
+
+/// What to say of a word behind a file, which clap takes for a command.
+fn word_too_many(error: &clap::Error, line: &[OsString]) -> Option<String> {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+    if error.kind() != ErrorKind::ArgumentConflict {
+        return None;
+    }
+    let first = line.get(1).and_then(|first| first.to_str()).unwrap_or_default();
+    let hint = if word.contains('=') {
+        format!("several values of one flag are one word with commas, such as --fix d_air=141,{word}")
+    } else if word.parse::<f64>().is_ok() {
+        format!("a flag and its value are joined by =, such as --fix d_air={word}")
+    } else if let Some(meant) = command_meant(first) {
+        format!("did you mean `morpho-fit {meant}`?")
+    } else {
+        "a fit takes one file; `morpho-fit batch` takes several".to_owned()
+    };
+    Some(format!("`{word}` is one word too many: {hint}"))
 }
 
 fn is_closed_pipe(error: &anyhow::Error) -> bool {

@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     let line: Vec<OsString> = std::env::args_os().collect();
     match Cli::try_parse_from(&line) {
         Ok(cli) => exit::code(run(cli, &line)),
-        Err(error) => exit::of_command_line(&error),
+        Err(error) => exit::of_command_line(&error, &line),
     }
 }
 

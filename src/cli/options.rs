@@ -1,7 +1,8 @@
 //! From arguments to checked settings and data.
 
 use crate::args::{
-    AverageArgs, ModelArgs, ModelWord, NuisanceArgs, ParameterArgs, PresetWord, ProblemArgs, ReadingArgs, StructureArgs,
+    AverageArgs, ModelArgs, ModelWord, NuisanceArgs, ParameterArgs, PresetWord, ProblemArgs, ReadingArgs,
+    StructureArgs, command_meant,
 };
 use crate::exit::{BadData, Usage};
 use crate::index_table::material;
@@ -117,29 +118,7 @@ impl Problem {
 /// A file that is not there may be a mistyped word.
 fn missing(path: &Path, error: &anyhow::Error) -> anyhow::Error {
     let name = path.to_string_lossy();
-    match nearest(
-        &name,
-        &[
-            "fit",
-            "profile",
-            "bootstrap",
-            "sample",
-            "constant",
-            "batch",
-            "check",
-            "curves",
-            "sweep",
-            "table",
-            "bsdf",
-            "import-bsdf",
-            "paper",
-            "tradeoff",
-            "simulate",
-            "help",
-        ],
-    )
-    .filter(|_| !name.contains(['.', '/', '\\']))
-    {
+    match command_meant(&name) {
         Some(word) => {
             Usage(format!("`{name}` is neither a file nor a command; did you mean `morpho-fit {word}`?")).into()
         }

@@ -70,7 +70,7 @@ pub struct Estimate {
     /// nm, deg or rad.
     pub unit: String,
     /// Standard deviation; `None` where it means nothing. Held parameters and other structures nearby, which fit as well, have their
-    /// part in it.
+    /// part in it; it is no less than half the interval of 95 % over its quantile.
     pub sigma: Option<f64>,
     /// Factor in `sigma` for how far the answer moves as parts of the data are left out; none unless the model misses them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -79,7 +79,8 @@ pub struct Estimate {
     pub status: Status,
     /// Parameters that it is tied to, where the status says so.
     pub with: Vec<String>,
-    /// Interval of 68.3 %; an end that is open, at a bound, is `None`. Of an ambiguous value it spans all that fit.
+    /// Interval of 68.3 %; an end that is open, at a bound, is `None`. Of an ambiguous value it spans all that fit. Where chi² rises more
+    /// slowly than the covariance says, its end is that of the profile likelihood.
     pub interval_68: Option<[Option<f64>; 2]>,
     /// Interval of 95 %.
     pub interval_95: Option<[Option<f64>; 2]>,

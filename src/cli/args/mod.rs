@@ -31,7 +31,7 @@ pub(crate) use words::{
 };
 
 use crate::values;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Fits layer thicknesses to the angular reflectivity of structurally coloured surfaces.
@@ -54,6 +54,16 @@ pub(crate) struct Cli {
     pub(crate) command: Option<Command>,
     #[command(flatten)]
     pub(crate) fit: FitArgs,
+}
+
+/// The command that a word which is no file may be meant for.
+pub(crate) fn command_meant(word: &str) -> Option<String> {
+    if word.contains(['.', '/', '\\']) {
+        return None;
+    }
+    let commands: Vec<String> = Cli::command().get_subcommands().map(|word| word.get_name().to_owned()).collect();
+    let names: Vec<&str> = commands.iter().map(String::as_str).chain(["help"]).collect();
+    values::nearest(word, &names).map(str::to_owned)
 }
 
 const EXIT_CODES: &str = "\
