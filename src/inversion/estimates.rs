@@ -197,6 +197,24 @@ impl Uncertainty {
         self.common = Some(common);
     }
 
+    /// How the free parameters move, inside units, where `sum_j gradient_j · parameter_j` grows by 1 and chi² by as little as the covariance
+    /// lets it.
+    pub(crate) fn along(&self, gradient: &[f64; COUNT], found: &Found<'_>) -> Option<DVector<f64>> {
+        let matrix = self.matrix.as_ref()?;
+        let free = &found.space.freedom.free;
+        let places: Vec<usize> =
+            self.inner.iter().map(|parameter| free.iter().position(|own| own == parameter)).collect::<Option<_>>()?;
+        let slopes = found.space.freedom.matrix().tr_mul(&DVector::from_column_slice(gradient));
+        let own = DVector::from_fn(matrix.nrows(), |row, _| places.get(row).map_or(0.0, |&place| slopes[place]));
+        let moved = matrix * &own;
+        let variance = moved.dot(&own);
+        let mut step = DVector::zeros(free.len());
+        for (row, &place) in places.iter().enumerate() {
+            step[place] = moved[row] / variance;
+        }
+        (variance > 0.0).then_some(step)
+    }
+
     /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds; `None` if it depends on
     /// none of them: a quantity that only follows what was given or stopped at a bound has no error of its own.
     fn variance(&self, gradient: &[f64; COUNT], found: &Found<'_>) -> Option<f64> {

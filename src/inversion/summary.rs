@@ -104,7 +104,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let widened_by = by_misfit * by_structure * by_spread;
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
-    reach(found, unit, uncertainty.quantiles, &mut estimates, &mut derived);
+    reach(found, &problem, &uncertainty, unit, &mut estimates, &mut derived);
     let left = if found.robust.is_empty() {
         chi2
     } else {
