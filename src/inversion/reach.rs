@@ -16,7 +16,7 @@ use nalgebra::DVector;
 const STRAIGHT: f64 = 0.05;
 /// Where chi² at the end of an interval has risen by less than this share of what it should, the interval ends elsewhere.
 const SHORT: f64 = 0.9;
-/// Where it has risen by what it should to this share on the straight way, chi² is a parabola.
+/// Where it has risen by what it should, but for this share, straight along the covariance's way, it is taken for a parabola.
 const EVEN: f64 = 0.03;
 
 /// Lets the ends of intervals move out to where the profile likelihood has them, if chi² has risen too little at them; with
