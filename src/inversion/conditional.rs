@@ -6,7 +6,7 @@ use crate::inversion::problem::Problem;
 use crate::inversion::quantity::Quantity;
 use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
-use crate::optimise::{LeastSquares, Loss, Minimum, Tolerances, minimise};
+use crate::optimise::{LeastSquares, Minimum, Tolerances, minimise};
 use crate::uncertainty::profile::{Conditional, ProfileStart};
 use nalgebra::DVector;
 
@@ -54,12 +54,7 @@ impl Conditionals<'_> {
         let range = limits.1 - limits.0;
         let at_best = quantity.held(&self.compiled.settings.roles, searched, quantity.of(&values));
         let own = at_best.and_then(|roles| Space::new(&roles).ok()).map(|space| space.freedom.restrict(&values));
-        // Under a robust loss a minimum's own sum is that of the loss.
-        let sum_of_squares = if self.compiled.settings.loss == Loss::Linear {
-            best.sum_of_squares
-        } else {
-            Problem::new(self.compiled, searched, robust).residuals(&best.parameters).norm_squared()
-        };
+        let sum_of_squares = Problem::new(self.compiled, searched, robust).sum_of_squares(best);
         ProfileStart {
             value: quantity.of(&values),
             others: own.unwrap_or_else(|| DVector::zeros(0)),

@@ -12,7 +12,7 @@ use crate::inversion::rows::{self, Block, Chunk, TermSlopes, Weighted, WeightedP
 use crate::inversion::settings::Derivative;
 use crate::inversion::space::Space;
 use crate::numerics::dot::dot;
-use crate::optimise::{Bounds, LeastSquares, Products, derivative, without_columns};
+use crate::optimise::{Bounds, LeastSquares, Minimum, Products, derivative, without_columns};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -94,6 +94,15 @@ impl<'a> Problem<'a> {
             .then(|| self.linear.normal_equations(&self.plan.rows, &parts, &self.weighted));
         let coefficients = equations.as_ref().map_or_else(|| DVector::zeros(0), NormalEquations::solve);
         Some(Evaluation { free: free.clone(), values, terms, lamella_slopes, parts, equations, coefficients })
+    }
+
+    /// Sum of squares at a minimum of this problem, whose own may be the cost of a robust loss.
+    pub(crate) fn sum_of_squares(&self, minimum: &Minimum) -> f64 {
+        // Borrowed weights are those of the data.
+        match self.weighted.weights {
+            Cow::Borrowed(_) => minimum.sum_of_squares,
+            Cow::Owned(_) => self.residuals(&minimum.parameters).norm_squared(),
+        }
     }
 
     /// Length of the vector of weighted readings.

@@ -43,12 +43,7 @@ pub(crate) fn reach(
     let others =
         rivals(found.solution, unit).map(|minimum| found.searched.freedom.expand(&minimum.parameters)).collect();
     let conditionals = Conditionals { compiled: found.compiled, solution: found.solution, others, unit };
-    // Under a robust loss a minimum's own sum is that of the loss.
-    let least = if found.robust.is_empty() {
-        found.best.sum_of_squares
-    } else {
-        problem.residuals(&found.best.parameters).norm_squared()
-    };
+    let least = problem.sum_of_squares(found.best);
     let reach = Reach { found, problem, uncertainty, conditionals, least };
     for (quantity, estimate) in all {
         let is_told = estimate.status.is_determined() || estimate.status == Status::OneSided;

@@ -6,7 +6,7 @@ use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::problem::Problem;
 use crate::inversion::search::{APART, FINE};
 use crate::inversion::space::Space;
-use crate::optimise::{BoundsError, LeastSquares, Minimum, minimise};
+use crate::optimise::{BoundsError, Minimum, minimise};
 use crate::uncertainty::identifiability::Identifiability;
 use nalgebra::DVector;
 
@@ -146,12 +146,7 @@ pub(crate) fn hold_undetermined(
         held.push(Held { direction, deviation, absorbed, elsewhere });
     }
     let dof = compiled.plan.len().saturating_sub(space.freedom.free.len() + compiled.linear.columns.len());
-    // Under a robust loss a minimum's own sum of squares may be that of the loss.
-    let sum = if robust.is_empty() {
-        best.sum_of_squares
-    } else {
-        Problem::new(compiled, &space, robust).residuals(&best.parameters).norm_squared()
-    };
+    let sum = Problem::new(compiled, &space, robust).sum_of_squares(&best);
     let unit = unit_of_residuals(compiled.data, sum, dof);
     let most = sum + compiled.settings.level * unit * unit;
     let values = space.freedom.expand(&best.parameters);
