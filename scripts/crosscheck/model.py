@@ -161,7 +161,7 @@ def hybrid_spread(
 ) -> tuple[Real, Real]:
     """The hybrid without its stack, in the plane of incidence: (f cos_o / R, angle at which R is taken).
 
-    f = R min(G, b/a F) a^2/(lambda b) sinc^2(k a u_x/2) P(u_y - v tan delta), as documented; `wavelength` in the ambient.
+    f = R E min(G, F) a^2/(lambda b) sinc^2(k a u_x/2) P(u_y - v tan delta), as documented; `wavelength` in the ambient.
     """
     directions = [
         np.array(np.broadcast_arrays(np.sin(a) * np.cos(omega), np.sin(a) * np.sin(omega), np.cos(a)))
@@ -176,5 +176,6 @@ def hybrid_spread(
     off = u_y - v * tilt
     peak = np.where(abs(off) < w, np.pi / (4 * w) * np.cos(np.pi / 2 * off / w), 0.0)
     slit = np.sinc(width * u_x / wavelength) ** 2
-    spread = np.minimum(gain, ridge_spacing / width * limit) * width**2 / (wavelength * ridge_spacing) * slit * peak
+    compensation = 1 + wavelength / (24 * np.pi**2 * width)
+    spread = compensation * np.minimum(gain, limit) * width**2 / (wavelength * ridge_spacing) * slit * peak
     return spread * z_out, np.arccos(np.minimum(v / 2, 1))

@@ -1,7 +1,7 @@
 //! The `hybrid` model: one reciprocal reflectance for every direction, which keeps the energy.
 //!
 //! ```text
-//! f = R · min(G, b/a · F) · a²/(lambda b) · sinc²(k a u_x / 2) · P(u_y - v tan(delta))          1/sr
+//! f = R · E · min(G, F) · a²/(lambda b) · sinc²(k a u_x / 2) · P(u_y - v tan(delta))          1/sr
 //! G = v² / (4 cos_i cos_o),   (u_x, u_y, v) = w_i + w_o,   k = 2 pi / lambda
 //! P(x) = pi/(4 w) · cos(pi/2 · x/w)  for |x| < w, else 0,   w = 2 sin(phi_alpha / 2)
 //! F = max(0, min(J_i, J_o)) / min(1, 1/2 + pi v |tan(delta)| / (4 w)),   J = 1 + tan(delta) w_y / w_z
@@ -17,10 +17,12 @@
 //!   along its own normal at `u_y = 2 sin(phi_alpha / 2)`; near the normal this is a half-width of `phi_alpha` in `phi`.
 //! - **Energy.** `du_x du_y = cos_o dΩ`, so slit and lobe have at most the mass `a/b`. G is 1 in the mirror direction and
 //!   grows without end where one direction grazes and the other does not; `J` is what turns `dx` into `du_y`. Light that
-//!   grazes meets at least half of an even slit and lobe below the horizon, which `F` allows for. The albedo of a white
-//!   stack (R = 1) is then at most 1 for any lobe and tilt if `a <= b` (a wider lamella is refused), and f finite.
-//!   Without that limit, which untilted layers of `a/b = 0.4` meet beyond `G = 5` alone, it would grow as `1/cos_i`.
-//!   A narrow lobe of layers without tilt gives back at most `a/b` up to 82° of incidence, for any width and wavelength.
+//!   grazes meets at least half of an even slit and lobe below the horizon, which `F` allows for: the layers shadow and mask
+//!   each other, as facets do. The albedo of a white stack (R = 1) is then at most `a/b` for any lobe and tilt, so at most 1
+//!   (a lamella wider than the spacing is refused), and f finite; without F it would grow as `1/cos_i` beyond 83°.
+//! - **Compensation.** What F takes lies in the tails of the slit, `lambda / (pi² a)` of its mass; E gives it back to all
+//!   directions, so that a white stack keeps the albedo it has without F, to 0.002 for lamellae of 300 nm and 470 nm. The
+//!   mass beyond the horizon is larger than that for any width, and the limit `a/b` holds.
 //! - **Grazing.** Along the horizon f is finite, and 0 where the layers are in their own shadow (`J <= 0`); below it 0.
 //!
 //! In the plane of incidence a detector reads `f cos_o · 1 sr`: the share of the incident power that reaches it, as `phi`
@@ -36,6 +38,9 @@ use std::ops::RangeInclusive;
 
 /// Distances of ridges, nm.
 const SPACINGS: RangeInclusive<f64> = 1.0..=1e6;
+
+/// `E - 1` of a lamella as wide as the wavelength: see the [module](self).
+const COMPENSATION: f64 = 1.0 / (24.0 * PI * PI);
 
 /// Cosine that stands in for smaller ones in a slope, so that a rounded direction along x has none along y.
 const HORIZON: f64 = 1e-9;
@@ -192,13 +197,11 @@ impl Pair {
     }
 }
 
-/// The part of f that is the same at every wavelength, of one structure: `min(G, b/a · F) · a²/b · P`, nm/sr.
+/// The part of f that is the same at every wavelength, of one structure: `min(G, F) · a²/b · P`, nm/sr.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shape {
     /// `a²/b`, nm.
     strength: f64,
-    /// `b/a`.
-    most: f64,
     tilt: f64,
     half_width: f64,
 }
@@ -209,7 +212,6 @@ impl Shape {
         let Structure { delta, phi_alpha, lamella_width, .. } = *structure;
         Self {
             strength: lamella_width * lamella_width / ridge_spacing,
-            most: ridge_spacing / lamella_width,
             tilt: delta.tan(),
             half_width: 2.0 * (0.5 * phi_alpha).sin(),
         }
@@ -217,7 +219,7 @@ impl Shape {
 
     #[inline]
     pub(crate) fn at(&self, pair: &Pair) -> f64 {
-        let Self { strength, most, tilt, half_width } = *self;
+        let Self { strength, tilt, half_width } = *self;
         let offset = pair.u_y - pair.v * tilt;
         if offset.abs() >= half_width {
             return 0.0;
@@ -225,17 +227,17 @@ impl Shape {
         let lobe = FRAC_PI_4 / half_width * (FRAC_PI_2 * offset / half_width).cos();
         let facing = (1.0 + tilt * pair.slopes[0]).min(1.0 + tilt * pair.slopes[1]).max(0.0);
         let above = (0.5 + FRAC_PI_4 * pair.v * tilt.abs() / half_width).min(1.0);
-        strength * pair.gain.min(most * facing / above) * lobe
+        strength * pair.gain.min(facing / above) * lobe
     }
 }
 
-/// The part of f beside R that depends on the wavelength, `sinc²(k a u_x / 2) / lambda`, 1/nm.
+/// The part of f beside R that depends on the wavelength, `E · sinc²(k a u_x / 2) / lambda`, 1/nm.
 ///
-/// - `half_ku`: `u_x k / 2`, 1/nm; `strength`: `1 / lambda`, 1/nm.
+/// - `half_ku`: `u_x k / 2`, 1/nm; `wavelength` in the ambient medium, nm.
 #[inline]
-pub(crate) fn slit_share(half_ku: f64, lamella_width: f64, strength: f64) -> f64 {
+pub(crate) fn slit_share(half_ku: f64, lamella_width: f64, wavelength: f64) -> f64 {
     let slit = slit_factor(half_ku * lamella_width);
-    strength * slit * slit
+    (wavelength.recip() + COMPENSATION / lamella_width) * slit * slit
 }
 
 /// The two directions of one reading at its wavelength.
@@ -245,8 +247,10 @@ pub(crate) struct HybridNode {
     pub(crate) angle: f64,
     /// `u_x k / 2`, 1/nm.
     half_ku: f64,
-    /// `1 / lambda`, times what a reading has beside f, 1/nm.
-    strength: f64,
+    /// In the ambient medium, nm.
+    wavelength: f64,
+    /// What a reading has beside f: `cos_o` times 1 sr, or 1.
+    obliquity: f64,
     pair: Pair,
 }
 
@@ -255,12 +259,12 @@ impl HybridNode {
     pub(crate) fn new(incoming: [f64; 3], outgoing: [f64; 3], wavelength: f64) -> Self {
         let pair = Pair::new(incoming, outgoing);
         let half_ku = PI * pair.u_x / wavelength;
-        Self { angle: layer_angle(pair.v), half_ku, strength: wavelength.recip(), pair }
+        Self { angle: layer_angle(pair.v), half_ku, wavelength, obliquity: 1.0, pair }
     }
 
     /// The same directions at another wavelength, of a node that was made for 1 nm.
     pub(crate) fn at_wavelength(&self, wavelength: f64) -> Self {
-        Self { half_ku: self.half_ku / wavelength, strength: self.strength / wavelength, ..*self }
+        Self { half_ku: self.half_ku / wavelength, wavelength, ..*self }
     }
 
     /// Of a reading in the plane of incidence, for `f cos_o`; angles at most pi/2 in size.
@@ -274,7 +278,7 @@ impl HybridNode {
         let u = if (theta + phi).abs() < f64::EPSILON { 0.0 } else { theta.sin() + phi.sin() };
         let half_ku = PI * u * cos / wavelength;
         let pair = Pair { u_x: u * cos, u_y: u * sin, ..node.pair };
-        Self { half_ku, pair, strength: node.strength * outgoing[2], ..node }
+        Self { half_ku, pair, obliquity: outgoing[2], ..node }
     }
 
     /// All of the product but R: 1/sr of the BRDF, or what a detector of 1 sr reads; NaN for a lamella wider than the
@@ -286,7 +290,11 @@ impl HybridNode {
             return f64::NAN;
         }
         let shape = Shape::of(structure, ridge_spacing).at(&self.pair);
-        if shape <= 0.0 { 0.0 } else { shape * slit_share(self.half_ku, lamella_width, self.strength) }
+        if shape <= 0.0 {
+            0.0
+        } else {
+            self.obliquity * shape * slit_share(self.half_ku, lamella_width, self.wavelength)
+        }
     }
 }
 

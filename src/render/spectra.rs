@@ -135,7 +135,7 @@ impl<'a> Spectra<'a> {
 
     /// The part of the lamellae at every wavelength.
     pub(super) fn slits(&self, u: f64) -> Vec<f64> {
-        let one = |&wavelength: &f64| slit_share(PI * u / wavelength, self.structure.lamella_width, wavelength.recip());
+        let one = |&wavelength: &f64| slit_share(PI * u / wavelength, self.structure.lamella_width, wavelength);
         self.ambient.iter().map(one).collect()
     }
 
