@@ -66,7 +66,7 @@ fn exchanging_source_and_detector_changes_nothing() {
         let structure = Structure {
             d_air: random.random_range(20.0..300.0),
             d_cuticle: random.random_range(20.0..300.0),
-            delta: random.random_range(-0.6..0.6),
+            delta: random.random_range(-1.57..1.57),
             phi_alpha: random.random_range(0.1..PI),
             lamella_width: random.random_range(50.0..SPACING),
         };
@@ -119,28 +119,73 @@ fn a_narrow_lobe_reflects_no_more_than_the_lamellae_fill() {
     assert!(largest > 0.9, "{largest}");
 }
 
-/// The same for any lobe and tilt.
+/// Of a white stack as a share of what the lamellae fill, at `theta` degrees and `azimuth` degrees.
+fn filled(model: &HybridModel, of: &Structure, [theta, azimuth]: [f64; 2], wavelength: f64, rows: u32) -> f64 {
+    let incoming = direction(radians(theta), radians(azimuth));
+    albedo(model, of, incoming, wavelength, rows, 300) * model.ridge_spacing / of.lamella_width
+}
+
 #[test]
 fn no_lobe_reflects_more_than_the_lamellae_fill() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
     let mut largest = 0.0_f64;
-    for case in 0..600 {
-        let tilt = [0.0, 9.0, 89.0][case % 3] * random.random_range(-1.0..1.0);
+    for case in 0..1500 {
+        let tilt = [0.0, 9.0, 89.9][case % 3] * random.random_range(-1.0..1.0);
         let structure = Structure {
             delta: radians(tilt),
             phi_alpha: 10.0_f64.powf(random.random_range(-1.2..0.497)),
-            lamella_width: if case % 5 == 0 { SPACING } else { random.random_range(20.0..SPACING) },
+            lamella_width: if case % 2 == 0 { SPACING } else { random.random_range(20.0..SPACING) },
             ..Structure::blue()
         };
-        let above_horizon = 10.0_f64.powf(random.random_range(-4.0..0.0));
-        let theta = if case % 2 == 0 { FRAC_PI_2 - above_horizon } else { random.random_range(0.0..FRAC_PI_2) };
-        let incoming = direction(theta, random.random_range(0.0..2.0 * PI));
-        let found = albedo(&mirror(), &structure, incoming, random.random_range(300.0..800.0), 300, 150) * SPACING
-            / structure.lamella_width;
-        assert!(found <= 1.0, "{structure:?} {incoming:?}: {found}");
+        let theta = match case % 4 {
+            0 => 90.0 - 10.0_f64.powf(random.random_range(-3.0..1.5)),
+            _ => random.random_range(0.0..90.0),
+        };
+        let azimuth = if case % 5 < 2 { 90.0 } else { random.random_range(0.0..360.0) };
+        let wavelength = random.random_range(300.0..800.0);
+        let found = filled(&mirror(), &structure, [theta, azimuth], wavelength, 300);
+        assert!(found <= 1.0, "{structure:?} {theta} {azimuth} {wavelength}: {found}");
         largest = largest.max(found);
     }
     assert!(largest > 0.9, "{largest}");
+}
+
+/// Where an independent program found the most of products whose limit was too high: lobes along the ridges, a little wider than
+/// tilted (up to 1.15), wide ones at normal incidence (1.01), and steep layers when light grazes (1.6).
+#[test]
+fn where_lobes_reflect_most_they_reflect_no_more_than_the_lamellae_fill() {
+    let at = |wavelengths: f64, phi_alpha: f64, tilt: f64, theta: f64| {
+        let structure =
+            Structure { delta: radians(tilt), phi_alpha, lamella_width: 470.0 * wavelengths, ..Structure::blue() };
+        let model = HybridModel { ridge_spacing: 1e6, ..mirror() };
+        let found = filled(&model, &structure, [theta, 90.0], 470.0, 800);
+        assert!(found <= 1.0, "{wavelengths} wavelengths, lobe {phi_alpha}, {tilt}°, {theta}: {found}");
+        found
+    };
+    let cases = [
+        (1.596, 0.318, 6.31, 50.34),
+        (1.97, 0.335, 6.56, 49.75),
+        (2.5, 0.287, 5.85, 52.93),
+        (4.0, 0.24, 5.2, 56.0),
+        (10.0, 0.16, 4.0, 63.0),
+        (8.0, 1.1, 0.0, 0.0),
+        (16.0, 1.1, 0.0, 0.0),
+        (0.638, 0.96, 89.73, 89.99),
+        (1.25, 0.97, 89.2, 89.99),
+        (1.25, 0.54, 60.0, 89.99),
+    ];
+    let largest = cases.into_iter().map(|(q, lobe, tilt, theta)| at(q, lobe, tilt, theta)).fold(0.0, f64::max);
+    assert!(largest > 0.9, "{largest}");
+    for lobe in [0.1, 0.2, 0.4, 0.8, 1.1_f64] {
+        for tilt in [0.7, 1.3].map(|share| share * 0.2 * lobe.sqrt().to_degrees()) {
+            for theta in [0.0, 30.0, 50.0, 65.0, 80.0, 89.0] {
+                for wavelengths in [1.5, 8.0] {
+                    at(wavelengths, lobe, tilt, theta);
+                    at(wavelengths, lobe, -tilt, theta);
+                }
+            }
+        }
+    }
 }
 
 /// Peak over `phi` of what is read along the ridges of a white stack.
@@ -186,7 +231,7 @@ fn the_mirror_direction_has_its_closed_form() {
     for theta in [0.0, 30.0, 60.0_f64] {
         let [incoming, outgoing] = [theta, -theta].map(|angle| direction(radians(angle), FRAC_PI_2));
         let found = white(&mirror(), &structure, incoming, outgoing, 500.0);
-        let compensation = 1.0 + 500.0 / (24.0 * PI * PI * 300.0);
+        let compensation = 1.0 + 500.0 / (20.0 * PI * PI * 300.0);
         let expected = compensation * 300.0 * 300.0 / (500.0 * SPACING) * PI / (8.0 * 0.25_f64.sin());
         assert!((found - expected).abs() < 1e-12, "{theta}: {found} {expected}");
     }

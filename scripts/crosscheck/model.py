@@ -161,21 +161,27 @@ def hybrid_spread(
 ) -> tuple[Real, Real]:
     """The hybrid without its stack, in the plane of incidence: (f cos_o / R, angle at which R is taken).
 
-    f = R E min(G, F) a^2/(lambda b) sinc^2(k a u_x/2) P(u_y - v tan delta), as documented; `wavelength` in the ambient.
+    f = R E T min(G_x, 2) min(G_y, F) a^2/(lambda b) sinc^2(k a u_x/2) P(u_y - v tan delta), as documented; `wavelength` in the ambient.
     """
     directions = [
         np.array(np.broadcast_arrays(np.sin(a) * np.cos(omega), np.sin(a) * np.sin(omega), np.cos(a)))
         for a in (theta, phi)
     ]
-    (_, y_in, z_in), (_, y_out, z_out) = directions
+    (x_in, y_in, z_in), (x_out, y_out, z_out) = directions
     u_x, u_y, v = directions[0] + directions[1]
     tilt, w = np.tan(delta), 2 * np.sin(phi_alpha / 2)
-    gain = v**2 / (4 * z_in * z_out)
+    r_in, r_out = np.hypot(x_in, z_in), np.hypot(x_out, z_out)
+    r = np.maximum(r_in, r_out)
+    # Cosines in the plane across the ridges, of the longer of the two projections.
+    c_in, c_out = (np.hypot(z, np.sqrt(r**2 - own**2)) for z, own in ((z_in, r_in), (z_out, r_out)))
+    g_x, g_y = (c_in / c_out + c_out / c_in + 2) / 4, (r_in / r_out + r_out / r_in + 2) / 4
     facing = np.minimum(1 + tilt * y_in / z_in, 1 + tilt * y_out / z_out)
-    limit = np.maximum(facing, 0) / np.minimum(1, 1 / 2 + np.pi * v * abs(tilt) / (4 * w))
+    before = np.maximum(1 - abs(y_in) + z_in * abs(tilt), 1 - abs(y_out) + z_out * abs(tilt))
+    limit = np.maximum(facing, 0) / np.minimum(1, 1 / 2 + np.pi * before / (4 * w))
+    gain = np.minimum(g_x, 2) * np.minimum(g_y, limit) / np.maximum(1, abs(tilt) / np.sqrt(3))
     off = u_y - v * tilt
     peak = np.where(abs(off) < w, np.pi / (4 * w) * np.cos(np.pi / 2 * off / w), 0.0)
     slit = np.sinc(width * u_x / wavelength) ** 2
-    compensation = 1 + wavelength / (24 * np.pi**2 * width)
-    spread = compensation * np.minimum(gain, limit) * width**2 / (wavelength * ridge_spacing) * slit * peak
+    compensation = 1 + wavelength / (20 * np.pi**2 * width)
+    spread = compensation * gain * width**2 / (wavelength * ridge_spacing) * slit * peak
     return spread * z_out, np.arccos(np.minimum(v / 2, 1))

@@ -1,13 +1,14 @@
 //! The `hybrid` model: one reciprocal reflectance for every direction, which keeps the energy.
 //!
 //! ```text
-//! f = R · E · min(G, F) · a²/(lambda b) · sinc²(k a u_x / 2) · P(u_y - v tan(delta))          1/sr
-//! G = v² / (4 cos_i cos_o),   (u_x, u_y, v) = w_i + w_o,   k = 2 pi / lambda
-//! P(x) = pi/(4 w) · cos(pi/2 · x/w)  for |x| < w, else 0,   w = 2 sin(phi_alpha / 2)
-//! F = max(0, min(J_i, J_o)) / min(1, 1/2 + pi v |tan(delta)| / (4 w)),   J = 1 + tan(delta) w_y / w_z
+//! f = R · E T · min(G_x, 2) · min(G_y, F) · a²/(lambda b) · sinc²(k a u_x / 2) · P(u_y - v tan(delta))          1/sr
+//! (u_x, u_y, v) = w_i + w_o,   k = 2 pi / lambda,   P(p) = pi/(4 w) · cos(pi/2 · p/w)  for |p| < w, else 0,   w = 2 sin(phi_alpha / 2)
+//! G = (c_i + c_o)² / (4 c_i c_o);   of G_x  c² = z² + max(r_i², r_o²) - r²,   of G_y  c² = r²,   r² = x² + z²
+//! F = max(0, min(J_i, J_o)) / min(1, 1/2 + pi m / (4 w)),   J = 1 + tan(delta) y/z,   m = max of both 1 - |y| + z |tan(delta)|
+//! E = 1 + lambda / (20 pi² a),   T = min(1, sqrt(3) / |tan(delta)|)
 //! ```
 //!
-//! `w_i` and `w_o` are the unit vectors from the surface to source and detector: x across the ridges, y along them, z
+//! `w_i` and `w_o` are the unit vectors (x, y, z) from the surface to source and detector: x across the ridges, y along them, z
 //! normal. `b` is the distance of the ridges, R the stack's reflectivity for `cos = v/2`, lambda the wavelength in the
 //! ambient medium. Across the ridges f is the slit of a lamella, along them a lobe about the mirror beam of the layers.
 //!
@@ -15,15 +16,19 @@
 //!   `phi = 2 delta - theta`. `u_y` and `v` are sums over both directions, so exchanging them changes nothing.
 //! - **Lobe.** `P` has the integral 1, and the shape of the paper's lobe. A layer turned by `phi_alpha / 2` sends light back
 //!   along its own normal at `u_y = 2 sin(phi_alpha / 2)`; near the normal this is a half-width of `phi_alpha` in `phi`.
-//! - **Energy.** `du_x du_y = cos_o dΩ`, so slit and lobe have at most the mass `a/b`. G is 1 in the mirror direction and
-//!   grows without end where one direction grazes and the other does not; `J` is what turns `dx` into `du_y`. Light that
-//!   grazes meets at least half of an even slit and lobe below the horizon, which `F` allows for: the layers shadow and mask
-//!   each other, as facets do. The albedo of a white stack (R = 1) is then at most `a/b` for any lobe and tilt, so at most 1
-//!   (a lamella wider than the spacing is refused), and f finite; without F it would grow as `1/cos_i` beyond 83°.
-//! - **Compensation.** What F takes lies in the tails of the slit, `lambda / (pi² a)` of its mass; E gives it back to all
-//!   directions, so that a white stack keeps the albedo it has without F, to 0.002 for lamellae of 300 nm and 470 nm. The
-//!   mass beyond the horizon is larger than that for any width, and the limit `a/b` holds.
-//! - **Grazing.** Along the horizon f is finite, and 0 where the layers are in their own shadow (`J <= 0`); below it 0.
+//! - **Obliquity.** In either of the two planes, and between directions of one `|y|`, `G_x G_y` is `v² / (4 z_i z_o)`. It is 1 in
+//!   the mirror direction of layers without tilt, and grows without end where one direction grazes and the other does not.
+//! - **Energy.** `du_x du_y = cos_o dΩ`, so slit and lobe have at most the mass `a/b`. J is what turns `dy` into the argument of P;
+//!   the smaller of both is what layers that shadow and mask each other leave, as facets do. `m` is how far P reaches before the
+//!   horizon, at most: light that grazes along the ridges meets half of an even lobe below it, light that grazes across them half
+//!   of the slit (hence the 2). The albedo of a white stack (R = 1) is then at most `a/b`, and so at most 1 (a lamella wider than the spacing is refused):
+//!   0.9985 of it where a narrow lobe of wide lamellae (30 wavelengths) grazes, and less everywhere else in searches over incidence,
+//!   lobe and tilt. Steep layers are dimmed by T: from 60° on the light that they mirror grazes both ways.
+//! - **Compensation.** What the limits take, E shares out among all directions: they take 0 to 0.06 of `lambda / (pi² a)`, by the
+//!   incidence, and E gives 1/20. At 470 nm, in the limit of a narrow lobe, lamellae of 300 nm keep the albedo that `v² / (4 z_i z_o)`
+//!   has at 0, 40 and 75°, 0.14 to 0.35, to 0.002; near the horizon that one has no bound.
+//! - **Grazing.** Along the horizon f is finite, and 0 where the layers are in their own shadow (`J <= 0`); below it 0. Where both
+//!   directions graze, tilted layers have no one limit, nor a bound.
 //!
 //! In the plane of incidence a detector reads `f cos_o · 1 sr`: the share of the incident power that reaches it, as `phi`
 //! of the other models, for a detector of 1 sr that looks at all of the spot.
@@ -40,7 +45,10 @@ use std::ops::RangeInclusive;
 const SPACINGS: RangeInclusive<f64> = 1.0..=1e6;
 
 /// `E - 1` of a lamella as wide as the wavelength: see the [module](self).
-const COMPENSATION: f64 = 1.0 / (24.0 * PI * PI);
+const COMPENSATION: f64 = 1.0 / (20.0 * PI * PI);
+
+/// Tangent of the tilt from which T dims.
+const STEEP: f64 = 1.732_050_807_568_877_2;
 
 /// Cosine that stands in for smaller ones in a slope, so that a rounded direction along x has none along y.
 const HORIZON: f64 = 1e-9;
@@ -179,10 +187,21 @@ pub(crate) struct Pair {
     pub(crate) u_x: f64,
     u_y: f64,
     pub(crate) v: f64,
-    /// G; infinite where one direction grazes.
-    gain: f64,
-    /// `w_y / w_z` of both directions.
+    /// `min(G_x, 2)`.
+    across: f64,
+    /// `G_y`; infinite where one direction grazes along the ridges.
+    along: f64,
+    /// `y / z` of both directions.
     slopes: [f64; 2],
+    /// `1 - |y|` and z of both.
+    margins: [[f64; 2]; 2],
+}
+
+/// `(one + other)² / (4 one other)`; infinite where one is 0, and 1 where both are.
+#[inline]
+fn obliquity(one: f64, other: f64) -> f64 {
+    let (sum, product) = (one + other, one * other);
+    if sum > 0.0 { sum * sum / (4.0 * product) } else { 1.0 }
 }
 
 impl Pair {
@@ -190,17 +209,22 @@ impl Pair {
     #[inline]
     pub(crate) fn new(incoming: [f64; 3], outgoing: [f64; 3]) -> Self {
         let [u_x, u_y, v] = std::array::from_fn(|axis| incoming[axis] + outgoing[axis]);
-        let slopes = [incoming, outgoing].map(|[_, y, z]| y / z.max(HORIZON));
-        // Along the horizon both ways it is 0/0: the value of the mirror direction is taken.
-        let gain = if v > 0.0 { v * v / (4.0 * incoming[2] * outgoing[2]) } else { 1.0 };
-        Self { u_x, u_y, v, gain, slopes }
+        let both = [incoming, outgoing];
+        let slopes = both.map(|[_, y, z]| y / z.max(HORIZON));
+        let margins = both.map(|[_, y, z]| [1.0 - y.abs(), z]);
+        let radii = both.map(|[x, _, z]| x * x + z * z);
+        let largest = radii[0].max(radii[1]);
+        let cosine = |place: usize| (both[place][2].powi(2) + (largest - radii[place])).sqrt();
+        let across = obliquity(cosine(0), cosine(1)).min(2.0);
+        let along = obliquity(radii[0].sqrt(), radii[1].sqrt());
+        Self { u_x, u_y, v, across, along, slopes, margins }
     }
 }
 
-/// The part of f that is the same at every wavelength, of one structure: `min(G, F) · a²/b · P`, nm/sr.
+/// The part of f that is the same at every wavelength, of one structure: `T min(G_x, 2) min(G_y, F) · a²/b · P`, nm/sr.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shape {
-    /// `a²/b`, nm.
+    /// `T a²/b`, nm.
     strength: f64,
     tilt: f64,
     half_width: f64,
@@ -210,9 +234,11 @@ impl Shape {
     #[inline]
     pub(crate) fn of(structure: &Structure, ridge_spacing: f64) -> Self {
         let Structure { delta, phi_alpha, lamella_width, .. } = *structure;
+        let tilt = delta.tan();
+        let dimmed = (STEEP / tilt.abs()).min(1.0);
         Self {
-            strength: lamella_width * lamella_width / ridge_spacing,
-            tilt: delta.tan(),
+            strength: dimmed * lamella_width * lamella_width / ridge_spacing,
+            tilt,
             half_width: 2.0 * (0.5 * phi_alpha).sin(),
         }
     }
@@ -226,8 +252,9 @@ impl Shape {
         }
         let lobe = FRAC_PI_4 / half_width * (FRAC_PI_2 * offset / half_width).cos();
         let facing = (1.0 + tilt * pair.slopes[0]).min(1.0 + tilt * pair.slopes[1]).max(0.0);
-        let above = (0.5 + FRAC_PI_4 * pair.v * tilt.abs() / half_width).min(1.0);
-        strength * pair.gain.min(facing / above) * lobe
+        let [one, other] = pair.margins.map(|[margin, z]| margin + z * tilt.abs());
+        let above = (0.5 + FRAC_PI_4 * one.max(other) / half_width).min(1.0);
+        strength * pair.across * pair.along.min(facing / above) * lobe
     }
 }
 
