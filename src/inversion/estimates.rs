@@ -1,6 +1,7 @@
 //! Estimates: values, standard deviations, intervals and statuses from the covariance at a minimum.
 
 use crate::dataset::Dataset;
+use crate::inversion::beyond::is_free_on_bound;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::elsewhere::elsewhere;
 use crate::inversion::intervals::Quantiles;
@@ -73,7 +74,7 @@ impl<'a> Found<'a> {
 
 /// Covariance over the parameters that moved freely, and the rules for intervals.
 pub(crate) struct Uncertainty {
-    /// Free parameters inside their bounds, inside units.
+    /// Free parameters inside their bounds, or on one that costs nothing.
     inner: Vec<Parameter>,
     /// Covariance of these, then of the nuisances in use; `None` if it does not exist.
     matrix: Option<DMatrix<f64>>,
@@ -125,7 +126,8 @@ impl Uncertainty {
         let free = &found.space.freedom.free;
         let (lower, upper) = (found.space.bounds.lower(), found.space.bounds.upper());
         let at = &found.best.parameters;
-        let moved: Vec<usize> = (0..free.len()).filter(|&j| at[j] > lower[j] && at[j] < upper[j]).collect();
+        let is_inside = |&j: &usize| at[j] > lower[j] && at[j] < upper[j] || is_free_on_bound(found, unit, j);
+        let moved: Vec<usize> = (0..free.len()).filter(is_inside).collect();
         // Without nuisances in use the Jacobian of the best point is the whole one.
         let full = if in_use.is_empty() { found.best.triangle.clone() } else { problem.full_jacobian(point) };
         let columns: Vec<usize> = moved.iter().copied().chain(free.len()..full.ncols()).collect();
@@ -409,15 +411,16 @@ impl Uncertainty {
         (named(&scaled), named(&correlation(&scaled)))
     }
 
-    pub(crate) fn nuisances(&self, found: &Found<'_>, point: &Evaluation) -> Vec<NuisanceFound> {
+    pub(crate) fn nuisances(&self, found: &Found<'_>, point: &Evaluation, bound_costs: bool) -> Vec<NuisanceFound> {
         let total = &self.common;
         let sigma = |i: usize| {
             let place = self.columns.iter().position(|&column| column == i)? + self.inner.len();
             total.as_ref().map(|matrix| matrix[(place, place)].sqrt())
         };
-        // A parameter that acts as a scale, or that has other values which fit, was held at some value, and the scale with it.
+        // A parameter that acts as a scale, has other values which fit, or would go on beyond a bound was held at some value, and
+        // the scale with it.
         let moves = |held: &Held| held.absorbed && held.direction.len() == 1 || !held.elsewhere.is_empty();
-        let conditional = self.open(found).any(moves);
+        let conditional = bound_costs || self.open(found).any(moves);
         (found.linear.columns.iter().enumerate())
             .map(|(i, column)| NuisanceFound {
                 name: column_name(column, found.data),

@@ -2,6 +2,7 @@
 
 mod advice;
 mod atlas;
+mod beyond;
 mod candidates;
 mod choice;
 mod combinations;

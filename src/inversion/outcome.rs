@@ -24,7 +24,7 @@ pub enum Status {
     Fixed,
     /// Follows another parameter.
     Linked,
-    /// The best value lies on a bound: the data ask for more than the bounds allow.
+    /// The best value lies on a bound, or moves with one that does: the data ask for more than the bounds allow.
     AtBound,
     /// Determined on one side only: its interval reaches a bound.
     OneSided,

@@ -2,6 +2,7 @@
 
 use crate::dataset::Reading;
 use crate::inversion::atlas::listed;
+use crate::inversion::beyond::beyond;
 use crate::inversion::combinations::combinations;
 use crate::inversion::estimates::{Found, Uncertainty, index_ratio};
 use crate::inversion::jackknife::jackknife;
@@ -105,6 +106,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
     let mut estimates = Parameter::ALL.map(|parameter| uncertainty.parameter(found, &point, parameter));
     let mut derived = uncertainty.derived(found, &point);
     reach(found, &problem, &uncertainty, unit, &mut estimates, &mut derived);
+    let bound_costs = beyond(found, unit, &mut estimates, &mut derived);
     let left = if found.robust.is_empty() {
         chi2
     } else {
@@ -158,7 +160,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         } else {
             wording::missed(missed, bent, widened_by)
         });
-        warnings.push(warnings::may_help(found, verdict));
+        warnings.push(warnings::may_help(found, &estimates, verdict));
     }
     let is_stated = comparable && sigma_source == SigmaSource::Stated && verdict != Verdict::Given;
     if is_stated && !by_chance && excess(chi2, dof) < -OVERSTATED && (HEARD..QUIET).contains(&reduced.sqrt()) {
@@ -199,7 +201,7 @@ pub(crate) fn summarise(found: &Found<'_>) -> Option<Summary> {
         minima,
         identifiability,
         uncertainty: None,
-        nuisance: uncertainty.nuisances(found, &point),
+        nuisance: uncertainty.nuisances(found, &point, bound_costs),
         advice: Vec::new(),
         termination: found.best.termination,
         evaluations: found.best.evaluations,

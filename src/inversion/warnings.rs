@@ -22,10 +22,12 @@ pub(crate) fn outlier(found: &Found<'_>, weighted: &[f64], chi2: f64) -> Option<
 }
 
 /// What to try where the model misses the data.
-pub(crate) fn may_help(found: &Found<'_>, verdict: Verdict) -> String {
+pub(crate) fn may_help(found: &Found<'_>, estimates: &[Estimate; COUNT], verdict: Verdict) -> String {
     let nuisances = &found.settings.nuisances;
     let fixed = |role: &Role| matches!(role, Role::Fixed { .. });
+    let on_a_bound = estimates.iter().any(|estimate| estimate.status == Status::AtBound);
     let tries = [
+        (on_a_bound, "a bound that is too narrow (--bounds)"),
         (nuisances.background == Extent::None, "an offset of the readings (--background shared)"),
         (
             nuisances.scale != Extent::PerCurve && found.data.curves().len() > 1,
@@ -45,7 +47,9 @@ pub(crate) fn bounds(found: &Found<'_>, estimates: &[Estimate; COUNT]) -> Vec<St
     let turned = found.data.readings().iter().any(signed);
     let on_a_bound = |(_, estimate): &(&Parameter, &Estimate)| {
         let on = |value| estimate.bounds.is_some_and(|bounds| bounds.contains(&value));
-        estimate.status == Status::AtBound || estimate.status == Status::Ambiguous && estimate.value.is_some_and(on)
+        // What moves with one on a bound is named beside it.
+        estimate.status == Status::AtBound && estimate.with.is_empty()
+            || estimate.status == Status::Ambiguous && estimate.value.is_some_and(on)
     };
     (Parameter::ALL.iter().zip(estimates))
         .filter(on_a_bound)

@@ -48,7 +48,11 @@ fn partly(outcome: &FitOutcome) -> String {
         free(outcome).iter().filter(|(_, estimate)| keep(estimate.status)).map(|(name, _)| *name).collect()
     };
     let known = names(&Status::is_determined);
-    let on_a_bound = names(&|status| status == Status::AtBound);
+    let on_a_bound = |is_itself: bool| -> Vec<&str> {
+        let keep = |estimate: &Estimate| estimate.status == Status::AtBound && estimate.with.is_empty() == is_itself;
+        free(outcome).iter().filter(|(_, estimate)| keep(estimate)).map(|(name, _)| *name).collect()
+    };
+    let (stopped, moving) = (on_a_bound(true), on_a_bound(false));
     let ambiguous = names(&|status| status == Status::Ambiguous);
     let one_sided = names(&|status| status == Status::OneSided);
     let apart = [Status::AtBound, Status::Ambiguous, Status::OneSided];
@@ -76,8 +80,12 @@ fn partly(outcome: &FitOutcome) -> String {
         let (names, verb) = (list(&ambiguous), is(&ambiguous));
         parts.push(format!("{names} {verb} ambiguous: another structure fits as well"));
     }
-    if !on_a_bound.is_empty() {
-        parts.push(format!("{} ended on a bound", list(&on_a_bound)));
+    if !stopped.is_empty() {
+        let with = if stopped.len() == 1 { "it" } else { "them" };
+        let verb = if moving.len() == 1 { "moves" } else { "move" };
+        let others =
+            if moving.is_empty() { String::new() } else { format!(", and {} {verb} with {with}", list(&moving)) };
+        parts.push(format!("{} ended on a bound{others}", list(&stopped)));
     }
     parts.join("; ")
 }
@@ -122,7 +130,9 @@ pub fn meaning(status: Status) -> &'static str {
     match status {
         Status::Ok => "determined; the interval holds",
         Status::Fixed | Status::Linked => "as the settings say",
-        Status::AtBound => "the best value lies on a bound: the data ask for more than the bounds allow",
+        Status::AtBound => {
+            "the best value lies on a bound, or moves with one that does: the data ask for more than the bounds allow"
+        }
         Status::OneSided => "told on one side: the interval reaches a bound and is open there",
         Status::Correlated => {
             "determined, but almost only together with another: quote both with their correlation, or a sum that is known better"
