@@ -15,7 +15,7 @@ fn found(truth: &Structure, scans: &[Scan], noise: f64, seed: u64) -> FitOutcome
 }
 
 /// The truth is known, and lies beyond a bound: of what is told all the same, little may be off by four standard deviations. As the
-/// covariance at the bound has it, 26 of 123 are.
+/// covariance at the bound has it, 20 of 85 are.
 #[test]
 fn what_moves_with_a_value_on_a_bound_is_not_told() {
     let (mut told, mut off, mut moving) = (0, 0, 0);
