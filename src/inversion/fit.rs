@@ -4,9 +4,9 @@ use crate::dataset::Dataset;
 use crate::inversion::atlas::likeliest_first;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::estimates::Found;
-use crate::inversion::outcome::Fit;
+use crate::inversion::outcome::{Fit, Verdict};
 use crate::inversion::problem::Problem;
-use crate::inversion::search::{self, FINE};
+use crate::inversion::search::{FINE, GlobalSearch, local_minimum};
 use crate::inversion::settings::{FitSettings, Search, SettingsError};
 use crate::inversion::solution::Solution;
 use crate::inversion::space::Space;
@@ -196,14 +196,35 @@ pub(crate) fn solve(
     thin: Option<&Compiled<'_>>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Solution, Summary), FitError> {
-    let (data, settings) = (compiled.data, compiled.settings);
-    let searched = Space::new(&settings.roles)?;
+    let searched = Space::new(&compiled.settings.roles)?;
     let (readings, parameters) = (compiled.plan.len(), searched.freedom.free.len());
     let unknowns = parameters + compiled.linear.columns.len();
     if readings <= unknowns {
         return Err(FitError::TooFewReadings { readings, unknowns, parameters });
     }
-    let mut minima = search::minima(compiled, thin, &searched, progress);
+    let Some(thin) = thin else {
+        return judge(compiled, searched.clone(), local_minimum(compiled, &searched), progress);
+    };
+    let mut search = GlobalSearch::new(compiled, thin, &searched, progress);
+    let first = judge(compiled, searched.clone(), search.minima(), progress);
+    // Where data leave something open many structures fit alike: those that the first look misses, the intervals would miss.
+    let is_settled = matches!(&first, Ok((_, summary)) if summary.outcome.verdict == Verdict::Determined);
+    let is_asked = !searched.freedom.free.is_empty();
+    if is_asked && !is_settled && search.deepen(progress) {
+        return judge(compiled, searched.clone(), search.minima(), progress);
+    }
+    first
+}
+
+/// What is said of these minima, with what the data leave of them.
+fn judge(
+    compiled: &Compiled<'_>,
+    searched: Space,
+    mut minima: Vec<Minimum>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<(Solution, Summary), FitError> {
+    let (data, settings) = (compiled.data, compiled.settings);
+    let unknowns = searched.freedom.free.len() + compiled.linear.columns.len();
     let (robust, robust_unit) = if settings.loss == Loss::Linear {
         (Vec::new(), 1.0)
     } else {
@@ -215,7 +236,8 @@ pub(crate) fn solve(
         return Err(FitError::NowhereFinite { model: compiled.plan.model_name() });
     }
     if robust.is_empty() {
-        let unit = unit_of_residuals(data, minima[0].sum_of_squares, readings - unknowns);
+        let dof = compiled.plan.len().saturating_sub(unknowns);
+        let unit = unit_of_residuals(data, minima[0].sum_of_squares, dof);
         likeliest_first(&mut minima, &searched.ranges, unit);
     }
     progress("asking what the data determine");

@@ -59,28 +59,56 @@ pub(crate) const COARSE: Tolerances =
 pub(crate) const FINE: Tolerances =
     Tolerances { cost: 1e-10, step: 1e-10, gradient: 1e-13, max_evaluations: 400, escapes: 20 };
 
-/// The distinct minima, best first: of the whole box by way of the readings in `thin`, or from the start alone.
-pub(crate) fn minima(
-    compiled: &Compiled<'_>,
-    thin: Option<&Compiled<'_>>,
-    space: &Space,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Vec<Minimum> {
-    let settings = compiled.settings;
-    let start = start(settings, space);
-    let runs = |compiled: &Compiled<'_>, starts: &[DVector<f64>], tolerances| {
-        merge_equal(multistart(|| Problem::new(compiled, space, &[]), starts, tolerances), &space.scales)
-    };
-    let Some(thin) = thin else {
-        return runs(compiled, &[start], FINE);
-    };
-    progress("searching the grid");
-    let cells = grid(space, &thin.plan, &thin.linear);
-    let mut found = Vec::new();
-    for effort in [1, DEEPER] {
-        let starts = starts_from(thin, space, &cells, effort, &start);
+/// Minima of the whole box, by way of thinned readings, in up to two rounds.
+pub(crate) struct GlobalSearch<'a> {
+    compiled: &'a Compiled<'a>,
+    thin: &'a Compiled<'a>,
+    space: &'a Space,
+    cells: Vec<Cell>,
+    /// Where runs began.
+    begun: Vec<DVector<f64>>,
+    found: Vec<Minimum>,
+    is_deep: bool,
+}
+
+impl<'a> GlobalSearch<'a> {
+    /// Scans the grid, and polishes its best cells; once more, deeper, if the best minimum is suspicious.
+    pub(crate) fn new(
+        compiled: &'a Compiled<'a>,
+        thin: &'a Compiled<'a>,
+        space: &'a Space,
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Self {
+        progress("searching the grid");
+        let cells = grid(space, &thin.plan, &thin.linear);
+        let (begun, found) = Default::default();
+        let mut search = Self { compiled, thin, space, cells, begun, found, is_deep: false };
+        search.round(1, progress);
+        let best = search.found.iter().map(|minimum| minimum.sum_of_squares).fold(f64::INFINITY, f64::min);
+        let dof = compiled.plan.len().saturating_sub(space.freedom.free.len());
+        if compiled.data.has_sigma() && excess(best, dof) >= SUSPICIOUS {
+            search.deepen(progress);
+        }
+        search
+    }
+
+    /// Polishes more of the cells; returns whether it had not yet.
+    pub(crate) fn deepen(&mut self, progress: &(dyn Fn(&str) + Sync)) -> bool {
+        let is_new = !std::mem::replace(&mut self.is_deep, true);
+        if is_new {
+            self.round(DEEPER, progress);
+        }
+        is_new
+    }
+
+    /// Polishes `effort` times as many cells as usual, where it has not begun yet.
+    fn round(&mut self, effort: usize, progress: &(dyn Fn(&str) + Sync)) {
+        let Self { compiled, thin, space, .. } = *self;
+        let mut starts = starts_from(thin, space, &self.cells, effort);
+        starts.retain(|start| !self.begun.contains(start));
         progress("polishing the best cells");
-        let rough = runs(thin, &starts, COARSE);
+        let rough = runs(thin, space, &starts, COARSE);
+        self.begun.extend(starts);
         let hopeless = HOPELESS * rough.first().map_or(0.0, |minimum| minimum.sum_of_squares);
         let refined: Vec<DVector<f64>> = (rough.iter().enumerate())
             .filter(|(place, run)| *place < ALWAYS_REFINED * effort || run.sum_of_squares < hopeless)
@@ -88,17 +116,27 @@ pub(crate) fn minima(
             .take(REFINED * effort)
             .collect();
         progress("refining the minima");
-        found.extend(runs(compiled, &refined, FINE));
-        let best = found.iter().map(|minimum| minimum.sum_of_squares).fold(f64::INFINITY, f64::min);
-        let dof = compiled.plan.len().saturating_sub(space.freedom.free.len());
-        if !compiled.data.has_sigma() || excess(best, dof) < SUSPICIOUS {
-            break;
+        self.found.extend(runs(compiled, space, &refined, FINE));
+    }
+
+    /// The distinct minima, best first, with those next to the aliases of the best.
+    pub(crate) fn minima(&self) -> Vec<Minimum> {
+        let mut found = self.found.clone();
+        if let Some(best) = found.iter().min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares)) {
+            found.extend(aliases(self.compiled, self.space, best));
         }
+        merge_near(found, &self.space.scales, APART)
     }
-    if let Some(best) = found.iter().min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares)).cloned() {
-        found.extend(aliases(compiled, space, &best));
-    }
-    merge_near(found, &space.scales, APART)
+}
+
+/// The distinct minima that runs from `starts` end in, best first.
+fn runs(compiled: &Compiled<'_>, space: &Space, starts: &[DVector<f64>], tolerances: Tolerances) -> Vec<Minimum> {
+    merge_equal(multistart(|| Problem::new(compiled, space, &[]), starts, tolerances), &space.scales)
+}
+
+/// The minimum next to the user's start.
+pub(crate) fn local_minimum(compiled: &Compiled<'_>, space: &Space) -> Vec<Minimum> {
+    runs(compiled, space, &[start(compiled.settings, space)], FINE)
 }
 
 /// The minima next to the aliases of `best`: its swap partner, its mirror image in the tilt, and both in one.
@@ -115,13 +153,7 @@ fn aliases(compiled: &Compiled<'_>, space: &Space, best: &Minimum) -> Vec<Minimu
 
 /// What is polished: the best cells of the grid, the swap partners and mirror images of the best of these, and random
 /// points; `effort` times as many of each as usual. Before them the user's start.
-fn starts_from(
-    thin: &Compiled<'_>,
-    space: &Space,
-    cells: &[Cell],
-    effort: usize,
-    start: &DVector<f64>,
-) -> Vec<DVector<f64>> {
+fn starts_from(thin: &Compiled<'_>, space: &Space, cells: &[Cell], effort: usize) -> Vec<DVector<f64>> {
     let settings = thin.settings;
     let best = finer(space, &thin.plan, &thin.linear, &cells[..cells.len().min(effort * POLISHED)]);
     let mut starts: Vec<DVector<f64>> = best.iter().map(|cell| space.freedom.restrict(&cell.values)).collect();
@@ -130,7 +162,7 @@ fn starts_from(
     starts.extend(best.iter().take(effort * MIRRORED).filter_map(|cell| mirrored(&cell.values, space)));
     starts.extend(space.bounds.latin_hypercube(effort * RANDOM, settings.seed));
     // The swap partner or mirror image of a cell may be another cell, or itself.
-    let mut met = vec![start.clone()];
+    let mut met = vec![start(settings, space)];
     for start in starts {
         if !met.contains(&start) {
             met.push(start);
