@@ -13,9 +13,12 @@ use crate::inversion::settings::FitSettings;
 use crate::inversion::space::Space;
 use crate::optimise::{Minimum, Tolerances, merge_equal, merge_near, multistart};
 use crate::uncertainty::goodness::excess;
+use lobes::other_lobes;
 use nalgebra::DVector;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use rustc_hash::FxHashMap;
+
+mod lobes;
 
 /// Spacing of the grid in each thickness, nm. A fringe of nine layers is about 40 nm of thickness wide; at 28 nm one
 /// truth in a few hundred is missed, below 10 nm the grid costs more than all polishing.
@@ -51,6 +54,9 @@ const MIRRORED: usize = 4;
 const SUSPICIOUS: f64 = 2.6;
 /// Then the search is done again, so many times as deep.
 const DEEPER: usize = 6;
+
+/// Of the best minima so many are looked at with other lobes, then.
+const LOBES: usize = 4;
 
 /// Tolerances of the first polish: enough to rank the minima.
 pub(crate) const COARSE: Tolerances =
@@ -97,6 +103,9 @@ impl<'a> GlobalSearch<'a> {
         let is_new = !std::mem::replace(&mut self.is_deep, true);
         if is_new {
             self.round(DEEPER, progress);
+            let known = merge_near(self.found.clone(), &self.space.scales, APART);
+            let other = known.iter().take(LOBES).flat_map(|known| other_lobes(self.compiled, self.space, known, FINE));
+            self.found.extend(other);
         }
         is_new
     }
