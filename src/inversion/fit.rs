@@ -4,7 +4,7 @@ use crate::dataset::Dataset;
 use crate::inversion::atlas::likeliest_first;
 use crate::inversion::compiled::Compiled;
 use crate::inversion::estimates::Found;
-use crate::inversion::outcome::{Fit, Verdict};
+use crate::inversion::outcome::{Estimate, Fit, Status};
 use crate::inversion::problem::Problem;
 use crate::inversion::search::{FINE, GlobalSearch, local_minimum};
 use crate::inversion::settings::{FitSettings, Search, SettingsError};
@@ -207,13 +207,24 @@ pub(crate) fn solve(
     };
     let mut search = GlobalSearch::new(compiled, thin, &searched, progress);
     let first = judge(compiled, searched.clone(), search.minima(), progress);
-    // Where data leave something open many structures fit alike: those that the first look misses, the intervals would miss.
-    let is_settled = matches!(&first, Ok((_, summary)) if summary.outcome.verdict == Verdict::Determined);
+    // Where data leave thicknesses, tilt or lobe open many structures fit alike: those that the first look misses, the intervals
+    // would miss.
+    let is_settled = matches!(&first, Ok((_, summary)) if summary.outcome.parameters.each()[..4].iter().all(is_told));
     let is_asked = !searched.freedom.free.is_empty();
     if is_asked && !is_settled && search.deepen(progress) {
         return judge(compiled, searched.clone(), search.minima(), progress);
     }
     first
+}
+
+/// Whether the data tell a parameter; a thickness may have several values, as where layers can be swapped.
+fn is_told((name, estimate): &(&str, &Estimate)) -> bool {
+    let may_be_several = ["d_air", "d_cuticle"].contains(name);
+    match estimate.status {
+        Status::Ok | Status::Correlated | Status::Fixed | Status::Linked => true,
+        Status::Ambiguous => may_be_several,
+        _ => false,
+    }
 }
 
 /// What is said of these minima, with what the data leave of them.
