@@ -292,6 +292,8 @@ fn a_size_keeps_its_tolerance_and_a_certificate_says_so() {
     for albedo in [&certificate.albedo_of_table, &certificate.albedo_of_model] {
         assert!(albedo.largest > 0.1 && albedo.largest <= 1.0, "{certificate:?}");
     }
+    // The share that lamellae of 300 nm fill.
+    assert!(certificate.albedo_of_model.largest <= 0.4, "{certificate:?}");
     let threads = |count| rayon_pool(count, || certify(&source, &table, 300, 7).unwrap());
     assert_eq!(threads(1), threads(3));
     let few = Needs { most_bytes: 100_000, ..needs };

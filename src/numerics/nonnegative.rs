@@ -69,29 +69,31 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
                 usable.retain(|&j| j != entering);
                 break;
             };
-            let share = passive
-                .iter()
-                .enumerate()
-                .filter(|(c, _)| trial[*c] <= 0.0)
-                .map(|(c, &j)| scaled[j] / (scaled[j] - trial[c]))
-                .fold(f64::INFINITY, f64::min);
-            if share.is_infinite() {
+            // The way to the trial as far as the first coefficient that becomes 0.
+            let (mut share, mut first) = (f64::INFINITY, None);
+            for (c, &j) in passive.iter().enumerate().filter(|(c, _)| trial[*c] <= 0.0) {
+                let own = scaled[j] / (scaled[j] - trial[c]);
+                // 0/0 is a coefficient that is 0 already.
+                let own = if own.is_finite() { own } else { 0.0 };
+                if own < share {
+                    (share, first) = (own, Some(j));
+                }
+            }
+            let Some(first) = first else {
                 for (c, &j) in passive.iter().enumerate() {
                     scaled[j] = trial[c];
                 }
                 break;
-            }
-            let share = if share.is_finite() { share } else { 0.0 };
+            };
             for (c, &j) in passive.iter().enumerate() {
                 scaled[j] += share * (trial[c] - scaled[j]);
             }
-            let stuck = passive.iter().copied().enumerate().filter(|(c, j)| trial[*c] <= 0.0 && scaled[*j] <= 1e-15);
+            // Rounding may leave a little of the first.
+            let stuck = passive.iter().copied().enumerate();
+            let stuck = stuck.filter(|(c, j)| *j == first || trial[*c] <= 0.0 && scaled[*j] <= 1e-15);
             let leaving: Vec<usize> = stuck.map(|(_, j)| j).collect();
             for &j in &leaving {
                 scaled[j] = 0.0;
-            }
-            if leaving.is_empty() {
-                break;
             }
             passive.retain(|j| !leaving.contains(j));
             if passive.is_empty() {

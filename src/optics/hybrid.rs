@@ -1,4 +1,5 @@
-//! The `hybrid` model: one reciprocal reflectance for every direction, which keeps the energy.
+//! The `hybrid` model: one reciprocal reflectance for every direction, of which a white stack gives back no more than its
+//! lamellae fill.
 //!
 //! ```text
 //! f = R · E T · min(G_x, 2) · min(G_y, F) · a²/(lambda b) · sinc²(k a u_x / 2) · P(u_y - v tan(delta))          1/sr

@@ -43,7 +43,7 @@ pub struct LookupError {
 /// XYZ of `pi f`, for any pair of directions and any gap within a range.
 ///
 /// ```text
-/// pi f -> XYZ = shape(w_i, w_o) · T(d_air, v, |u_x|),   T = pi sum_λ w(λ) R(λ, v) sinc²(k a u_x / 2) / λ
+/// pi f -> XYZ = shape(w_i, w_o) · T(d_air, v, |u_x|),   T = pi sum_λ w(λ) R(λ, v) E(λ) sinc²(k a u_x / 2) / λ
 /// ```
 ///
 /// T is linear in the gap, in `sqrt(v / 2)` and in `|u_x|` between regular nodes, as many as a tolerance needs; the shape is exact.

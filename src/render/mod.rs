@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! XYZ(pixel) = mean over its samples of  coverage · cos_i · (share · pi · sum_λ w(λ) f(λ; w_i, w_o) + base)
-//! f = [R(λ, v) · sinc²(k a u_x / 2) / λ] · shape(w_i, w_o),   w = illuminant · observer
+//! f = [R(λ, v) · E(λ) · sinc²(k a u_x / 2) / λ] · shape(w_i, w_o),   w = illuminant · observer
 //! ```
 //!
 //! f is the BRDF of [`HybridModel`](crate::optics::HybridModel). Only the bracket depends on the wavelength, and only through

@@ -46,7 +46,7 @@ words!(WideWord => WideHeading {
 pub(crate) enum ModelWord {
     /// The paper's structure with its physics put right.
     Blend,
-    /// One reciprocal product that holds both planes and keeps the energy.
+    /// One reciprocal product for every direction, which gives back no more light than it gets.
     Hybrid,
     /// The printed formulas.
     Paper,
