@@ -56,7 +56,7 @@ fn left_out(outcome: &FitOutcome, truth: &Structure) -> f64 {
 }
 
 /// The truth is known, and so is the minimum next to it: where that fits as well as what was found, or better, intervals should hold
-/// the truth. Of these 200 sets 20 left it out by 1.5 half widths of an interval and more as one look at the grid has it.
+/// the truth. Of these 200 sets 15 left it out by 1.5 half widths of an interval and more as one look at the grid has it.
 #[test]
 fn a_structure_that_fits_as_well_is_not_left_out() {
     let missed: u32 = (0..SETS)
@@ -78,5 +78,5 @@ fn a_structure_that_fits_as_well_is_not_left_out() {
         })
         .sum();
     println!("{missed} of {SETS}");
-    assert!(missed <= 8, "{missed} of {SETS}");
+    assert!(missed <= 7, "{missed} of {SETS}");
 }
