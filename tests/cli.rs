@@ -197,6 +197,8 @@ fn wrong_flags_end_with_code_2_and_a_hint() {
         ("blue.csv --bounds d_air=250:50", "not below the upper bound"),
         ("blue.csv --bounds d_air=50", "d_air=50:250"),
         ("blue.csv --bounds d_air=-50:250", "must rise and lie within 0 to"),
+        ("blue.csv --bounds phi_alpha=3:8", ": 8 degrees are 0.1396 rad"),
+        ("blue.csv --fix phi_alpha=30", ": 30 degrees are 0.5236 rad"),
         ("blue.csv --fix d_air=100 --bounds d_air=50:250", "--fix and with --bounds"),
         ("blue.csv --fix d_air=100 --start d_air=90", "leave --start d_air out"),
         ("blue.csv --link d_air=d_air", "d_air cannot be linked to d_air"),

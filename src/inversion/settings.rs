@@ -8,6 +8,7 @@ use crate::optics::{
 };
 use crate::optimise::Loss;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Which forward model, with its choices.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -167,12 +168,18 @@ impl Default for FitSettings {
     }
 }
 
+/// A hint for a number of radians that is more like one of degrees.
+fn in_degrees(unit: &str, value: f64) -> String {
+    let is_likely = unit == "rad" && (PI..=180.0).contains(&value);
+    if is_likely { format!(": {value} degrees are {:.4} rad", value.to_radians()) } else { String::new() }
+}
+
 /// A set of choices that cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// Bounds without room between them, or beyond the parameter's domain; user units.
-    #[error("bounds of {parameter}: {lower} to {upper} {unit} must rise and lie within {least} to {most} {unit}")]
+    #[error("bounds of {parameter}: {lower} to {upper} {unit} must rise and lie within {least} to {most} {unit}{}", in_degrees(unit, *upper))]
     Bounds {
         /// Which parameter.
         parameter: Parameter,
@@ -188,7 +195,7 @@ pub enum SettingsError {
         most: f64,
     },
     /// A value or start outside what is allowed; user units.
-    #[error("{what} of {parameter}: {found} {unit} is not within {least} to {most} {unit}")]
+    #[error("{what} of {parameter}: {found} {unit} is not within {least} to {most} {unit}{}", in_degrees(unit, *found))]
     Value {
         /// `fixed value` or `start`.
         what: &'static str,

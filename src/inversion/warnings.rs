@@ -1,6 +1,6 @@
 //! Warnings of a fit: outliers, bounds, hidden scales, intervals without ends, other minima.
 
-use crate::dataset::Reading;
+use crate::dataset::{Reading, note_on_angles};
 use crate::inversion::elsewhere::as_good;
 use crate::inversion::estimates::Found;
 use crate::inversion::nuisance::Extent;
@@ -27,6 +27,7 @@ pub(crate) fn may_help(found: &Found<'_>, estimates: &[Estimate; COUNT], verdict
     let fixed = |role: &Role| matches!(role, Role::Fixed { .. });
     let on_a_bound = estimates.iter().any(|estimate| estimate.status == Status::AtBound);
     let tries = [
+        (note_on_angles(found.data.readings()).is_some(), "angles in radians (write them in degrees)"),
         (on_a_bound, "a bound that is too narrow (--bounds)"),
         (nuisances.background == Extent::None, "an offset of the readings (--background shared)"),
         (
