@@ -32,7 +32,7 @@ fn few(random: &mut Xoshiro256PlusPlus, seed: u64) -> (Structure, Dataset) {
     let mut scans = vec![spectrum, Scan { phis, ..Scan::angular(line, 90.0) }];
     scans.extend(across.then(|| Scan::angular(470.0, 0.0)));
     let data = simulate(&BlendModel::default(), &truth, &scans, 3.0, noise, seed).unwrap();
-    let readings = data.readings().iter().map(|reading| Reading { sigma: None, ..reading.clone() }).collect();
+    let readings = data.readings().iter().map(|reading| Reading { sigma: None, ..*reading }).collect();
     (truth, Dataset::from_readings(readings, data.curves().to_vec()).unwrap())
 }
 
