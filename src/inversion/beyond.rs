@@ -28,7 +28,10 @@ pub(crate) fn beyond(found: &Found<'_>, unit: f64, estimates: &mut [Estimate; CO
         quantities.zip(estimates.iter_mut().chain([&mut derived.period, &mut derived.optical_sum]))
     {
         let moved = quantity.outside(quantity.slopes(found.space).dot(&step).abs());
-        if estimate.sigma.is_some_and(|sigma| moved > MOVED * sigma) {
+        // An ambiguous one has its own others, and a linked one its parameter.
+        let may_depend =
+            estimate.status.is_determined() || [Status::OneSided, Status::AtBound].contains(&estimate.status);
+        if may_depend && estimate.sigma.is_some_and(|sigma| moved > MOVED * sigma) {
             estimate.depend_on_a_bound(&names);
         }
     }

@@ -217,7 +217,7 @@ impl Uncertainty {
         (variance > 0.0).then_some(step)
     }
 
-    /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds; `None` if it depends on
+    /// Variance of `sum_j gradient_j · parameter_j` over the free parameters inside their bounds, or on one that costs nothing; `None` if it depends on
     /// none of them: a quantity that only follows what was given or stopped at a bound has no error of its own.
     fn variance(&self, gradient: &[f64; COUNT], found: &Found<'_>) -> Option<f64> {
         let matrix = self.matrix.as_ref()?;

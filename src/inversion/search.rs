@@ -52,7 +52,7 @@ const MIRRORED: usize = 4;
 /// A best minimum whose chi² exceeds the stated noise by so many standard deviations may not be the best; noise alone
 /// does so in one data set of 200.
 const SUSPICIOUS: f64 = 2.6;
-/// Then the search is done again, so many times as deep.
+/// Then the search goes on, so many times as deep, as it does where the data leave something open.
 const DEEPER: usize = 6;
 
 /// Of the best minima so many are looked at with other lobes, then.
@@ -73,6 +73,9 @@ pub(crate) struct GlobalSearch<'a> {
     cells: Vec<Cell>,
     /// Where runs began.
     begun: Vec<DVector<f64>>,
+    /// Where they ended, on the thinned readings.
+    rough: Vec<Minimum>,
+    refined: Vec<DVector<f64>>,
     found: Vec<Minimum>,
     is_deep: bool,
 }
@@ -87,8 +90,8 @@ impl<'a> GlobalSearch<'a> {
     ) -> Self {
         progress("searching the grid");
         let cells = grid(space, &thin.plan, &thin.linear);
-        let (begun, found) = Default::default();
-        let mut search = Self { compiled, thin, space, cells, begun, found, is_deep: false };
+        let (begun, rough, refined, found) = Default::default();
+        let mut search = Self { compiled, thin, space, cells, begun, rough, refined, found, is_deep: false };
         search.round(1, progress);
         let best = search.found.iter().map(|minimum| minimum.sum_of_squares).fold(f64::INFINITY, f64::min);
         let dof = compiled.plan.len().saturating_sub(space.freedom.free.len());
@@ -104,7 +107,8 @@ impl<'a> GlobalSearch<'a> {
         if is_new {
             self.round(DEEPER, progress);
             let known = merge_near(self.found.clone(), &self.space.scales, APART);
-            let other = known.iter().take(LOBES).flat_map(|known| other_lobes(self.compiled, self.space, known, FINE));
+            let best = known.iter().take(LOBES);
+            let other = best.flat_map(|minimum| other_lobes(self.compiled, self.space, minimum));
             self.found.extend(other);
         }
         is_new
@@ -116,16 +120,19 @@ impl<'a> GlobalSearch<'a> {
         let mut starts = starts_from(thin, space, &self.cells, effort);
         starts.retain(|start| !self.begun.contains(start));
         progress("polishing the best cells");
-        let rough = runs(thin, space, &starts, COARSE);
+        self.rough.extend(runs(thin, space, &starts, COARSE));
         self.begun.extend(starts);
-        let hopeless = HOPELESS * rough.first().map_or(0.0, |minimum| minimum.sum_of_squares);
-        let refined: Vec<DVector<f64>> = (rough.iter().enumerate())
+        self.rough = merge_equal(std::mem::take(&mut self.rough), &space.scales);
+        let hopeless = HOPELESS * self.rough.first().map_or(0.0, |minimum| minimum.sum_of_squares);
+        let mut chosen: Vec<DVector<f64>> = (self.rough.iter().enumerate())
             .filter(|(place, run)| *place < ALWAYS_REFINED * effort || run.sum_of_squares < hopeless)
             .map(|(_, run)| run.parameters.clone())
             .take(REFINED * effort)
             .collect();
+        chosen.retain(|start| !self.refined.contains(start));
         progress("refining the minima");
-        self.found.extend(runs(compiled, space, &refined, FINE));
+        self.found.extend(runs(compiled, space, &chosen, FINE));
+        self.refined.extend(chosen);
     }
 
     /// The distinct minima, best first, with those next to the aliases of the best.

@@ -50,6 +50,8 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
         return coefficients;
     }
     let mut scaled = DVector::<f64>::zeros(q);
+    // Columns whose slope was rounding: they became no coefficient when they entered.
+    let mut barred: Vec<usize> = Vec::new();
     for _ in 0..3 * q.max(1) {
         let slope = |j: usize| scaled_right(j) - passive.iter().map(|&i| scaled_gram(j, i) * scaled[i]).sum::<f64>();
         let size =
@@ -57,7 +59,7 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
         let steepest = usable
             .iter()
             .copied()
-            .filter(|j| !passive.contains(j))
+            .filter(|j| !passive.contains(j) && !barred.contains(j))
             .map(|j| (slope(j), j))
             .filter(|(slope, _)| *slope > 1e-14 * size)
             .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -69,6 +71,11 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
                 usable.retain(|&j| j != entering);
                 break;
             };
+            if scaled[entering] <= 0.0 && passive.last() == Some(&entering) && trial[passive.len() - 1] <= 0.0 {
+                passive.pop();
+                barred.push(entering);
+                break;
+            }
             // The way to the trial as far as the first coefficient that becomes 0.
             let (mut share, mut first) = (f64::INFINITY, None);
             for (c, &j) in passive.iter().enumerate().filter(|(c, _)| trial[*c] <= 0.0) {
@@ -83,6 +90,7 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
                 for (c, &j) in passive.iter().enumerate() {
                     scaled[j] = trial[c];
                 }
+                barred.clear();
                 break;
             };
             for (c, &j) in passive.iter().enumerate() {

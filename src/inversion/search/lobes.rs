@@ -1,12 +1,12 @@
 //! Other lobes at the thicknesses of a minimum. Between the readings of a scan whose steps are as wide as the lobe, the edge of the lobe
 //! makes valleys of chi² that no slope joins.
 
-use super::{middles, runs};
+use super::{FINE, middles, runs};
 use crate::inversion::compiled::Compiled;
 use crate::inversion::parameter::Parameter;
 use crate::inversion::problem::Problem;
 use crate::inversion::space::Space;
-use crate::optimise::{LeastSquares, Minimum, Tolerances};
+use crate::optimise::{LeastSquares, Minimum};
 use nalgebra::DVector;
 
 /// Tilts and lobe widths looked at, the widths evenly on a logarithmic scale.
@@ -15,12 +15,7 @@ const LOOKED_AT: [usize; 2] = [21, 12];
 const WALKED: usize = 8;
 
 /// The minima below the lowest places of a grid of tilts and lobe widths, all else as at `minimum`.
-pub(super) fn other_lobes(
-    compiled: &Compiled<'_>,
-    space: &Space,
-    minimum: &Minimum,
-    tolerances: Tolerances,
-) -> Vec<Minimum> {
+pub(super) fn other_lobes(compiled: &Compiled<'_>, space: &Space, minimum: &Minimum) -> Vec<Minimum> {
     let place = |parameter: Parameter| {
         let is_seen = compiled.plan.sees(parameter);
         space.freedom.free.iter().position(|free| *free == parameter).filter(|_| is_seen)
@@ -30,6 +25,9 @@ pub(super) fn other_lobes(
             .map_or_else(Vec::new, |j| middles(space.bounds.lower()[j], space.bounds.upper()[j], count, by_ratio))
     };
     let [tilts, widths] = [axis(Parameter::Delta, LOOKED_AT[0], false), axis(Parameter::PhiAlpha, LOOKED_AT[1], true)];
+    if tilts.is_empty() && widths.is_empty() {
+        return Vec::new();
+    }
     let problem = Problem::new(compiled, space, &[]);
     let at = |row: usize, column: usize| {
         let mut there = minimum.parameters.clone();
@@ -57,5 +55,5 @@ pub(super) fn other_lobes(
     }
     valleys.sort_by(|a, b| a.0.total_cmp(&b.0));
     let starts: Vec<DVector<f64>> = valleys.into_iter().take(WALKED).map(|(_, start)| start).collect();
-    runs(compiled, space, &starts, tolerances)
+    runs(compiled, space, &starts, FINE)
 }
