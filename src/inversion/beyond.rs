@@ -3,7 +3,7 @@
 use crate::inversion::estimates::Found;
 use crate::inversion::outcome::{Derived, Estimate, Status};
 use crate::inversion::parameter::{COUNT, Parameter};
-use crate::inversion::quantity::{Quantity, indices};
+use crate::inversion::quantity::{indices, with_estimates};
 use crate::uncertainty::covariance::covariance;
 use nalgebra::DVector;
 
@@ -19,14 +19,13 @@ pub(crate) fn beyond(found: &Found<'_>, unit: f64, estimates: &mut [Estimate; CO
     let free = &found.space.freedom.free;
     let stopped: Vec<usize> =
         (0..free.len()).filter(|&j| estimates[free[j].index()].status == Status::AtBound).collect();
-    let Some(step) = (!stopped.is_empty()).then(|| newton_step(found, unit, &stopped)).flatten() else { return false };
+    if stopped.is_empty() {
+        return false;
+    }
+    let Some((step, _)) = step_beyond(found, unit, &stopped).filter(|(_, gain)| *gain > COSTS) else { return false };
     let names: Vec<String> = stopped.iter().map(|&j| free[j].name().to_owned()).collect();
-    let (gap, cuticle) = indices(found.data, &found.settings.stack);
-    let sums = [Quantity::Period, Quantity::OpticalSum { gap, cuticle }];
-    let quantities = Parameter::ALL.into_iter().map(Quantity::Parameter).chain(sums);
-    for (quantity, estimate) in
-        quantities.zip(estimates.iter_mut().chain([&mut derived.period, &mut derived.optical_sum]))
-    {
+    let indices = indices(found.data, &found.settings.stack);
+    for (quantity, estimate) in with_estimates(indices, estimates, derived) {
         let moved = quantity.outside(quantity.slopes(found.space).dot(&step).abs());
         // An ambiguous one has its own others, and a linked one its parameter.
         let may_depend =
@@ -42,18 +41,19 @@ pub(crate) fn beyond(found: &Found<'_>, unit: f64, estimates: &mut [Estimate; CO
 /// values were tried ([`Undetermined`](crate::inversion::undetermined::Undetermined)).
 pub(crate) fn is_free_on_bound(found: &Found<'_>, unit: f64, j: usize) -> bool {
     let is_thickness = matches!(found.space.freedom.free[j], Parameter::DAir | Parameter::DCuticle);
-    is_thickness && covariance(&found.best.triangle).is_some() && newton_step(found, unit, &[j]).is_none()
+    is_thickness && step_beyond(found, unit, &[j]).is_some_and(|(_, gain)| gain <= COSTS)
 }
 
-/// How the free parameters would move if those of `stopped` could; `None` where that gains nothing.
-fn newton_step(found: &Found<'_>, unit: f64, stopped: &[usize]) -> Option<DVector<f64>> {
+/// How the free parameters would move if those of `stopped` could, and by how much chi² would fall, in squared standard deviations of a
+/// residual; `None` without a covariance.
+fn step_beyond(found: &Found<'_>, unit: f64, stopped: &[usize]) -> Option<(DVector<f64>, f64)> {
     let mut gradient = DVector::zeros(found.best.gradient.len());
     for &j in stopped {
         gradient[j] = found.best.gradient[j];
     }
     let step = -(covariance(&found.best.triangle)? * &gradient);
     let gain = -step.dot(&gradient) / (unit * unit);
-    (gain > COSTS).then_some(step)
+    Some((step, gain))
 }
 
 impl Estimate {

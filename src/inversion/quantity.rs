@@ -2,7 +2,7 @@
 
 use crate::dataset::Dataset;
 use crate::inversion::compiled::Compiled;
-use crate::inversion::outcome::{Estimate, FitOutcome};
+use crate::inversion::outcome::{Derived, Estimate, FitOutcome};
 use crate::inversion::parameter::{COUNT, Parameter, Role};
 use crate::inversion::space::Space;
 use crate::optics::Stack;
@@ -25,6 +25,17 @@ const ROUNDING: f64 = 1e-12;
 /// Real indices of gap and cuticle at the middle wavelength of the data; 1 and 1.56 where the media have none there.
 pub(crate) fn indices(data: &Dataset, stack: &Stack) -> (f64, f64) {
     stack.media(data.middle_wavelength()).map_or((1.0, 1.56), |media| (media.gap.re, media.cuticle.re))
+}
+
+/// Each quantity with what is said of it.
+pub(crate) fn with_estimates<'a>(
+    (gap, cuticle): (f64, f64),
+    estimates: &'a mut [Estimate; COUNT],
+    derived: &'a mut Derived,
+) -> impl Iterator<Item = (Quantity, &'a mut Estimate)> {
+    let sums = [Quantity::Period, Quantity::OpticalSum { gap, cuticle }];
+    let quantities = Parameter::ALL.into_iter().map(Quantity::Parameter).chain(sums);
+    quantities.zip(estimates.iter_mut().chain([&mut derived.period, &mut derived.optical_sum]))
 }
 
 impl Quantity {

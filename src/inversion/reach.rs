@@ -5,9 +5,9 @@ use crate::inversion::conditional::Conditionals;
 use crate::inversion::estimates::{Found, Uncertainty};
 use crate::inversion::intervals::{Quantiles, rivals};
 use crate::inversion::outcome::{Derived, Estimate, Status};
-use crate::inversion::parameter::{COUNT, Parameter};
+use crate::inversion::parameter::COUNT;
 use crate::inversion::problem::Problem;
-use crate::inversion::quantity::{Quantity, indices};
+use crate::inversion::quantity::{Quantity, indices, with_estimates};
 use crate::optimise::LeastSquares;
 use crate::uncertainty::profile::profile;
 use nalgebra::DVector;
@@ -29,11 +29,8 @@ pub(crate) fn reach(
     estimates: &mut [Estimate; COUNT],
     derived: &mut Derived,
 ) {
-    let (gap, cuticle) = indices(found.data, &found.settings.stack);
-    let sums = [Quantity::Period, Quantity::OpticalSum { gap, cuticle }];
-    let quantities = Parameter::ALL.into_iter().map(Quantity::Parameter).chain(sums);
-    let all: Vec<(Quantity, &mut Estimate)> =
-        quantities.zip(estimates.iter_mut().chain([&mut derived.period, &mut derived.optical_sum])).collect();
+    let indices = indices(found.data, &found.settings.stack);
+    let all: Vec<(Quantity, &mut Estimate)> = with_estimates(indices, estimates, derived).collect();
     let is_wide = |(quantity, estimate): &(Quantity, &mut Estimate)| {
         estimate.sigma.is_some_and(|sigma| sigma > STRAIGHT * quantity.outside(quantity.typical_change()))
     };

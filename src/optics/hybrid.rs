@@ -23,7 +23,7 @@
 //!   the smaller of both is what layers that shadow and mask each other leave, as facets do. `m` is how far P reaches before the
 //!   horizon, at most: light that grazes along the ridges meets half of an even lobe below it, light that grazes across them half
 //!   of the slit (hence the 2). The albedo of a white stack (R = 1) is then at most `a/b`, and so at most 1 (a lamella wider than the spacing is refused):
-//!   0.9985 of it where a narrow lobe of wide lamellae (30 wavelengths) grazes, and less everywhere else in searches over incidence,
+//!   0.9986 of it where a narrow lobe of wide lamellae (30 wavelengths) grazes, and less everywhere else in searches over incidence,
 //!   lobe and tilt. Steep layers are dimmed by T: from 60° on the light that they mirror grazes both ways.
 //! - **Compensation.** What the limits take, E shares out among all directions: they take 0 to 0.06 of `lambda / (pi² a)`, by the
 //!   incidence, and E gives 1/20. At 470 nm, in the limit of a narrow lobe, lamellae of 300 nm keep the albedo that `v² / (4 z_i z_o)`
